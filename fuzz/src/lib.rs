@@ -1,4 +1,4 @@
-//! Fuzz targets: any input from outside works or gives an `Err`, and never panics.
+//! Fuzz targets. Any input gives a result or an `Err`, and never a panic.
 //!
 //! The same functions run under libFuzzer, guided by coverage (`cargo +nightly fuzz run --features
 //! libfuzzer TARGET`), and under this crate's own runner, which needs only a stable toolchain
@@ -10,7 +10,7 @@ pub mod targets;
 
 pub use mutate::Mutator;
 
-/// A function that accepts any input and must not panic, and seed inputs.
+/// A fuzz target: a function that must not panic for any input, and seed inputs.
 #[derive(Clone, Copy, Debug)]
 pub struct Target {
     /// The name, as in `cargo fuzz run NAME`.

@@ -5,7 +5,7 @@ use std::ops::Range;
 use gym::Generator;
 use serde_json::{Value as Json, json};
 
-/// Numbers that formulas and checks often overlook.
+/// Numbers for which formulas and checks often fail.
 const NUMBERS: [&str; 20] = [
     "0",
     "-0",
@@ -79,7 +79,7 @@ impl Mutator {
         bytes
     }
 
-    /// Changes one node, each with the same probability.
+    /// Changes one node. Each node has the same probability.
     fn change(&mut self, json: &mut Json, other: &Json) {
         let target = self.below(count(json));
         let part = self.below(count(other));
@@ -123,7 +123,7 @@ impl Mutator {
         };
     }
 
-    /// Adds, drops, repeats or swaps parts.
+    /// Adds, removes, repeats or swaps elements of an array or object.
     fn restructure(&mut self, node: &mut Json) {
         match node {
             Json::Array(items) => {
@@ -259,7 +259,7 @@ fn count(json: &Json) -> usize {
     }
 }
 
-/// Returns the node with the given index, in the order of reading.
+/// Returns the node with the index `index`, in depth-first order.
 fn node_mut<'a>(json: &'a mut Json, index: &mut usize) -> Option<&'a mut Json> {
     if *index == 0 {
         return Some(json);

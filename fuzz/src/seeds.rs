@@ -65,7 +65,7 @@ pub fn arguments() -> Vec<Vec<u8>> {
         .collect()
 }
 
-/// Returns the models of the MuJoCo tasks, and small models with features that these lack.
+/// Returns the models of the MuJoCo tasks, and small models with features that no task's model has.
 pub fn mjcf() -> Vec<Vec<u8>> {
     const SMALL: &str = r#"<mujoco><option density="2" viscosity="1" wind="1 0 0" solver="PGS"/><worldbody>
         <geom type="plane" size="0 0 1"/>
@@ -172,7 +172,7 @@ pub fn spaces() -> Vec<Vec<u8>> {
     ]);
     let mut seeds = Vec::new();
     for description in all {
-        // in every stored form
+        // the element as JSON
         let space = serde_json::from_value::<Space>(description.clone());
         let value = space
             .as_ref()

@@ -1,4 +1,4 @@
-//! The recorded results of Gymnasium, for the tests of this package.
+//! Reads the recorded results of Gymnasium, for the tests of this package.
 
 use std::path::{Path, PathBuf};
 

@@ -1,8 +1,9 @@
-//! `cargo xtask COMMAND`: builds the commands as the one that is asked for needs them, and runs it.
+//! `cargo xtask COMMAND`: builds the program `commands` with the settings that the command needs,
+//! and runs the command.
 //!
 //! One build cannot serve all commands, because this workspace takes long to build, and longer with
-//! optimisation or with rapier2d. So this program has next to no dependencies, and builds the program
-//! `commands` as the command needs it:
+//! optimisation or with rapier2d. Therefore this program has few dependencies, and builds
+//! `commands` in several ways:
 //! - Commands that play are built with optimisation, and those that measure with all of it; `list`,
 //!   `help` and `new` without any, unless those that play are there.
 //! - The first demo is built in two parts: the GIFs of the small families appear while the others
@@ -90,15 +91,15 @@ fn start(build: &Build, arguments: &[OsString]) -> Result<ExitCode, String> {
     cargo.args(["--no-default-features", "--features", &features.join(",")]);
     let status = cargo.arg("--").args(arguments).status();
     let status = status.map_err(|error| format!("cargo cannot be run: {error}"))?;
-    // a signal leaves no code
+    // a program that a signal ended has no exit code
     Ok(status
         .code()
         .and_then(|code| u8::try_from(code).ok())
         .map_or(ExitCode::FAILURE, ExitCode::from))
 }
 
-/// Prints a line; `println!` panics where the output cannot be written. A closed pipe ends the
-/// printing, not the work.
+/// Prints a line. Unlike `println!`, it does not panic if the output cannot be written, and it
+/// ignores a closed pipe.
 fn say(line: std::fmt::Arguments<'_>) -> Result<(), String> {
     match writeln!(std::io::stdout(), "{line}") {
         Err(error) if error.kind() == ErrorKind::BrokenPipe => Ok(()),
@@ -106,17 +107,17 @@ fn say(line: std::fmt::Arguments<'_>) -> Result<(), String> {
     }
 }
 
-/// The settings with which a command is built.
+/// The settings of the build for a command.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Build {
     profile: &'static str,
     feature: Option<&'static str>,
     /// The feature that links families of environments.
     families: &'static str,
-    /// Whether this is the demo, and nothing is built yet: then the families that build quickly are
-    /// shown first.
+    /// Whether the command is the demo, and nothing is built yet. The demo then shows first the
+    /// families that build quickly.
     is_first_demo: bool,
-    /// With the engine of the namespace `rapier/`, which doubles the time that everything takes to
+    /// Whether to build rapier2d, the engine of the ids `rapier/...`, which doubles the time of the
     /// build.
     rapier: bool,
 }
@@ -170,18 +171,18 @@ impl Build {
     }
 }
 
-/// The folder of this workspace.
+/// Returns the folder of this workspace.
 fn root() -> &'static Path {
     let own = Path::new(env!("CARGO_MANIFEST_DIR"));
     own.parent().unwrap_or(own)
 }
 
-/// The target folder of this workspace.
+/// Returns the target folder of this workspace.
 fn target_dir() -> PathBuf {
     env::var_os("CARGO_TARGET_DIR").map_or_else(|| root().join("target"), PathBuf::from)
 }
 
-/// The Cargo that runs this program.
+/// Returns the path of the Cargo that runs this program.
 fn cargo() -> OsString {
     env::var_os("CARGO").unwrap_or_else(|| "cargo".into())
 }

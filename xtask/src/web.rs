@@ -130,7 +130,7 @@ pub(crate) fn web(arguments: &[OsString]) -> Result<(), String> {
     Ok(())
 }
 
-/// The remedy if the compiler has no standard library for the target.
+/// Returns an error with the remedy if the compiler has no standard library for the target.
 fn check_target() -> Result<(), String> {
     let rustc = std::env::var_os("RUSTC").unwrap_or_else(|| "rustc".into());
     let output = Command::new(&rustc)
@@ -147,7 +147,7 @@ fn check_target() -> Result<(), String> {
     ))
 }
 
-/// Builds the module; gives its path.
+/// Builds the WebAssembly module, and returns its path.
 fn build(plugin: Option<&Path>, small: bool) -> Result<PathBuf, String> {
     let mut cargo = Command::new(cargo());
     cargo
@@ -182,8 +182,8 @@ fn build(plugin: Option<&Path>, small: bool) -> Result<PathBuf, String> {
             format!("{}.wasm", library(&manifest)?)
         }
     };
-    // Exported, the constructors that register the environments run once, when the page calls them.
-    // Otherwise the linker puts a call of all of them into each function that it exports.
+    // Export the constructors that register the environments, so that the page can call them once.
+    // Otherwise the linker inserts a call of all constructors into each exported function.
     cargo.args(["--", "-C", "link-arg=--export=__wasm_call_ctors"]);
     let status = cargo
         .status()
@@ -194,7 +194,7 @@ fn build(plugin: Option<&Path>, small: bool) -> Result<PathBuf, String> {
     Ok(target_dir().join(TARGET).join("gallery").join(file))
 }
 
-/// The name of the library of the package with this manifest.
+/// Returns the name of the library of the package with the manifest `manifest`.
 fn library(manifest: &Path) -> Result<String, String> {
     let at = |error: String| format!("{}: {error}", manifest.display());
     let output = Command::new(cargo())
@@ -279,8 +279,8 @@ impl Page {
         std::str::from_utf8(bytes).map_err(|error| format!("{name}: {error}"))
     }
 
-    /// The page as one file. Browsers let a page that was opened as a file load no other file, so
-    /// its scripts become Blobs.
+    /// Returns the page as one file. In browsers, a page opened as a file cannot load other files,
+    /// so the scripts become Blobs.
     fn in_one_file(&self) -> Result<String, String> {
         const START: &str = r##"<script type="module">
 const sources = GYM_SINGLE.scripts;
@@ -342,7 +342,7 @@ fn file_name(path: &Path) -> String {
         .into_owned()
 }
 
-/// The files in a folder, in the order of their names.
+/// Returns the files in a folder, sorted by name.
 fn list(folder: &Path) -> Result<Vec<PathBuf>, String> {
     let mut paths = files::list(folder)?;
     paths.retain(|path| path.is_file());

@@ -74,7 +74,7 @@ static BEAMS: LazyLock<[Point; LIDAR_RAYS]> = LazyLock::new(|| {
         [sin(angle) * LIDAR_RANGE, cos(angle) * LIDAR_RANGE]
     })
 });
-/// Frames from one sweep of the drawn lidar beam to the next.
+/// The number of frames after which the drawn lidar ray repeats its motion.
 const LIDAR_CYCLE: usize = 100;
 const INITIAL_RANDOM: f64 = 5.0; // N, the largest push at the start
 const HULL_POLY: [[f64; 2]; 5] = [
@@ -142,7 +142,8 @@ struct Episode {
     ground_contact: [bool; 2],
     prev_shaping: Option<f64>,
     lidar: [f32; LIDAR_RAYS],
-    /// Frames drawn, modulo [`LIDAR_CYCLE`]: the drawn lidar beam moves per frame.
+    /// The number of frames drawn, modulo [`LIDAR_CYCLE`], because the drawn lidar ray moves with
+    /// every frame.
     pictures: usize,
     /// The action of the step that has begun.
     #[serde(skip)]
@@ -284,15 +285,14 @@ impl Episode {
         }
     }
 
-    /// Drives the motors and steps the world: completely, or (with `worlds`) only until its
-    /// velocities are to be solved together with other worlds.
+    /// Sets the motors to `action`, then steps the world as [`worlds::step`].
     fn begin(&mut self, action: &Continuous<4>, worlds: Option<&mut Worlds>) -> Place {
         for (i, (joint, a)) in self.joints.into_iter().zip(action.numbers).enumerate() {
             let speed = if i % 2 == 0 { SPEED_HIP } else { SPEED_KNEE };
             let direction = if a == 0.0 { 0.0 } else { a.signum() as f32 };
             self.world.set_motor_speed(joint, speed * direction);
-            // exact but for this rounding: numpy's rounding for an action of `float32`, Box2D's for
-            // other actions
+            // for an action of `float32`, numpy rounds the product to `float32`; for other actions,
+            // Box2D does
             let torque = f64::from(MOTORS_TORQUE) * a.abs().clamp(0.0, 1.0);
             self.world.set_max_motor_torque(joint, torque as f32);
         }
@@ -322,8 +322,8 @@ impl Episode {
         let state = self.observe();
         let mut shaping = 130.0 * x / SCALE; // moving forward
         shaping -= 5.0 * f64::from(self.world.angle(self.hull)).abs(); // keeping the head straight
-        // as numpy's scalars promote: for an action of `float32` the reward has 32 bits once the
-        // first motor's cost is subtracted
+        // for an action of `float32`, numpy's promotion makes the reward a `float32` from the first
+        // motor's cost on
         let single = self.action.precision == Precision::Single;
         let rounded = |x: f64| if single { f64::from(x as f32) } else { x };
         let mut reward = rounded(self.prev_shaping.map_or(0.0, |before| shaping - before));
@@ -418,7 +418,8 @@ impl Episode {
         }
     }
 
-    /// Draws a lidar ray: the drawn ray sweeps down and up, then pauses for the rest of the cycle.
+    /// Draws one lidar ray per frame: first to last, then last to first, then none until the end of
+    /// the cycle.
     fn draw_lidar(&self, canvas: &mut dyn Canvas) {
         let i = (self.pictures + 1) % LIDAR_CYCLE;
         if i >= 2 * LIDAR_RAYS {
@@ -517,7 +518,7 @@ impl Episode {
     }
 }
 
-/// The next reset applies it. `physics` is fixed.
+/// The next reset applies a set argument. `physics` is fixed.
 impl Inspect for BipedalWalker {
     fn arguments(&self) -> Json {
         serde_json::to_value(self.config).unwrap_or_default()
@@ -715,7 +716,8 @@ impl Configure for BipedalWalker {
     }
 }
 
-/// The observation contains velocities divided by rated speeds, which a hand-made snapshot exceeds.
+/// The observation contains velocities divided by rated speeds. A hand-made snapshot may have
+/// higher velocities.
 const WORLD: (&str, &str) = (
     "snapshot-legal",
     "which forces and velocities of the bodies an episode reaches cannot be told from a snapshot, only that they are finite",

@@ -294,7 +294,7 @@ impl Episode {
         let mut height = [0.0; CHUNKS + 1];
         height.fill_with(|| rng.uniform(0.0, H / 2.0));
         height[CHUNKS / 2 - 2..=CHUNKS / 2 + 2].fill(HELIPAD_Y);
-        // (as in Gymnasium, the left neighbour of the first point is the last of the twelve
+        // (as in Gymnasium, the index -1 before the first height means the last of the twelve
         // heights)
         let smooth_y: [f64; CHUNKS] = std::array::from_fn(|i| {
             0.33 * (height[(i + CHUNKS) % (CHUNKS + 1)] + height[i] + height[i + 1])
@@ -400,8 +400,8 @@ impl Episode {
         self.world.apply_torque(self.lander, torque_mag as f32);
     }
 
-    /// Fires an engine: applies an impulse to the lander at `at`, and the opposite impulse to an
-    /// exhaust particle.
+    /// Fires an engine: applies an impulse to the lander at `at` (relative to its centre), and the
+    /// opposite impulse to an exhaust particle.
     fn fire(&mut self, [ox, oy]: Point, at: Point, engine_power: f64, power: f64, density: f64) {
         let position = self.world.position(self.lander);
         let at = [
@@ -417,8 +417,7 @@ impl Episode {
         }
     }
 
-    /// Applies wind and engines and steps the world: completely, or (with `worlds`) only until its
-    /// velocities are to be solved together with other worlds.
+    /// Applies wind and engines, then steps the world as [`worlds::step`].
     fn begin(&mut self, config: &Config, action: &Action, worlds: Option<&mut Worlds>) -> Place {
         if config.enable_wind && !self.ground_contact.contains(&true) {
             self.blow(config);
@@ -547,7 +546,7 @@ impl Episode {
             && self.exhaust.as_ref().is_none_or(Exhaust::is_valid)
     }
 
-    /// Starts or stops the simulation of the exhaust.
+    /// Starts (`renders`) or stops the simulation of the exhaust.
     fn render(&mut self, config: &Config, renders: bool) {
         if !renders {
             self.exhaust = None;

@@ -1,11 +1,11 @@
-//! Steps of worlds, alone or together with other worlds.
+//! Steps of one world alone, or of many worlds together.
 
 use fearless_simd::Level;
 use gym_core::vector::lockstep::Together;
 
 use crate::physics::{LANES, Lanes, Place, World};
 
-/// Working memory for worlds that solve their velocities together.
+/// Working memory for worlds whose velocity iterations run together.
 #[derive(Clone, Debug)]
 pub struct Worlds(Lanes);
 
@@ -19,7 +19,7 @@ impl Together for Worlds {
     const LEN: usize = LANES;
 
     fn solve(&mut self) {
-        self.0.sweep();
+        self.0.solve_velocities();
     }
 
     fn clear(&mut self) {
@@ -27,7 +27,8 @@ impl Together for Worlds {
     }
 }
 
-/// A reset or step that has begun before its call arrives.
+/// A reset or step that [`Lockstep`](gym_core::vector::lockstep::Lockstep) has begun for many
+/// environments together, before the environment's own `reset` or `step` is called.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Ahead {
     pub(crate) call: Call,
@@ -40,8 +41,8 @@ pub(crate) enum Call {
     Step,
 }
 
-/// Steps `world`: completely, or (with `worlds`) only until its velocities are to be solved
-/// together with other worlds.
+/// Steps `world`. With `worlds`, only begins the step: `worlds` runs the velocity iterations, and
+/// [`Worlds::finish`] finishes the step.
 pub(crate) fn step(world: &mut World, fps: f64, worlds: Option<&mut Worlds>) -> Place {
     let dt = (1.0 / fps) as f32;
     match worlds {
@@ -54,7 +55,7 @@ pub(crate) fn step(world: &mut World, fps: f64, worlds: Option<&mut Worlds>) -> 
 }
 
 impl Worlds {
-    /// Finishes the step of `world` that began at `place`.
+    /// Finishes the step of `world` that [`step`] began. `place` is the result of `step`.
     pub(crate) fn finish(&mut self, world: &mut World, place: Place) {
         world.finish(&mut self.0, place);
     }
@@ -75,7 +76,8 @@ mod tests {
 
     /// Returns the results of `n` environments under `policy`, which receives an environment's
     /// number and last observation. The environments play one episode after another, in lockstep if
-    /// `worlds` is given. Each seventh environment skips some steps, so that groups vary.
+    /// `worlds` is given. Each seventh environment skips some steps, so that not every group has
+    /// the same environments.
     fn run<E, const N: usize>(
         make: impl Fn(usize) -> E,
         n: usize,

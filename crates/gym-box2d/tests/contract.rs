@@ -15,7 +15,7 @@ const IDS: [&str; 8] = [
     "CarRacing-v3",
 ];
 
-/// Returns the observations and rewards of random steps; the run continues past the ends of
+/// Returns the observations and rewards of `steps` steps with random actions, over several
 /// episodes.
 fn run(env: &mut BoxEnv, seed: u64, steps: usize) -> Vec<(Value, f64)> {
     let mut actions = env.action_sampler(seed).unwrap();
@@ -74,7 +74,7 @@ fn impossible_actions_are_errors() {
     );
 }
 
-/// A step would look up the missing box of the fixture.
+/// A snapshot without the broad-phase box of a fixture is an error: a step would look up the box.
 #[test]
 fn snapshots_without_a_box_are_refused() {
     fn drop_a_box(json: &mut serde_json::Value) {
@@ -137,7 +137,7 @@ fn a_car_off_the_field_ends_the_episode() {
     );
 }
 
-/// With so small a share the lap is complete at the start, as in Gymnasium.
+/// With a small `lap_complete_percent` the lap is complete at the start, as in Gymnasium.
 #[test]
 fn a_complete_lap_ends_the_episode_and_says_so() {
     for (percent, ends) in [(0.0, true), (0.003, true), (0.01, false)] {

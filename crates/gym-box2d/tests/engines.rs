@@ -36,7 +36,7 @@ fn over_ground(physics: Physics) -> World {
     world
 }
 
-/// Makes two blocks joined by a knee, which a motor turns against its upper limit.
+/// Makes two blocks and a joint between them, whose motor turns against the upper limit.
 fn knee(physics: Physics) -> (World, [BodyId; 2], JointId) {
     let mut world = over_ground(physics);
     let filter = Filter {
@@ -153,7 +153,7 @@ fn a_motor_turns_a_knee_to_its_limit() {
             world.joint_angle(joint)
         );
         assert!((1.0..2.5).contains(&fastest), "{physics:?}: {fastest}");
-        // the joint holds
+        // the ends of both blocks stay together
         let end = |body: BodyId, y: f32| world.pose(body) * nalgebra::Point2::new(0.0, y);
         assert!(
             (end(thigh, -0.5) - end(shin, 0.5)).norm() < 0.02,
@@ -260,9 +260,9 @@ fn what_is_destroyed_is_gone() {
     }
 }
 
-/// A motor releases, reverses and pushes within one step. rapier limits the change of a motor's
-/// impulse to the same range in both directions, so a motor that started from its last impulse
-/// could not release in one step.
+/// A motor reaches zero torque, reverses or reaches full torque within one step. rapier limits the
+/// change of a motor's impulse to the same range in both directions: a motor that started from its
+/// last impulse could not reach zero in one step.
 #[test]
 fn a_motor_lets_go_at_once() {
     let run = |physics| {
@@ -314,7 +314,7 @@ fn a_motor_lets_go_at_once() {
     }
 }
 
-/// A contact lies halfway between the skins; a leg that tips over pivots about that point.
+/// A contact lies halfway between the skins; a post that tips over pivots about this point.
 #[test]
 fn a_post_tips_over_its_corner() {
     let run = |physics| {
@@ -371,7 +371,7 @@ fn a_block_keeps_its_place_on_a_slope() {
         }
         let start = world.position(body);
         for i in 0..100 {
-            // keep the body awake, so that the joint must hold it
+            // keep the body awake, so that only the joint stops it
             world.apply_torque(body, if i % 2 == 0 { 0.3 } else { -0.3 });
             step(&mut world);
         }

@@ -6,7 +6,7 @@ use gym_box2d::physics::Physics;
 use gym_box2d::{BipedalWalker, LunarLander, bipedal_walker, lunar_lander};
 use gym_core::{Env, Outcome, Reset};
 
-/// The return, the length and the end of an episode.
+/// The return, the length and the last step of an episode.
 struct Episode {
     total: f64,
     length: u32,
@@ -126,7 +126,7 @@ fn landings_are_alike() {
     }
 }
 
-/// Equal actions move a walker alike, including the steps and stumbles of its first second.
+/// Equal actions move a walker alike on both engines during its first second.
 #[test]
 fn the_same_actions_walk_the_same_way() {
     for seed in 0..5 {

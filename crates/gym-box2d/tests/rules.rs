@@ -6,7 +6,7 @@ use gym_box2d::lunar_lander::{self, LunarLander};
 use gym_core::{BoxEnv, Env, EnvExt, Inspect, Outcome, Reset, Value, builder, make};
 use serde_json::json;
 
-/// Returns the results and rewards of `steps` steps with the action `action`.
+/// Returns the observations and rewards of `steps` steps with the action `action`.
 fn after(env: &mut BoxEnv, action: &Value, steps: usize) -> Vec<(Value, f64)> {
     env.reset(5).unwrap();
     (0..steps)
@@ -17,8 +17,8 @@ fn after(env: &mut BoxEnv, action: &Value, steps: usize) -> Vec<(Value, f64)> {
         .collect()
 }
 
-/// The main engine runs above 0, the side engines beyond 0.5 in either direction; none exceeds its
-/// power at 1.
+/// The main engine runs above 0, the side engines beyond 0.5 in either direction. No engine has
+/// more power than at 1.
 #[test]
 fn throttles_have_a_dead_zone_and_an_end() {
     let mut env = builder("LunarLanderContinuous-v3")
@@ -48,7 +48,7 @@ fn throttles_have_a_dead_zone_and_an_end() {
     assert!(least < half && half < full, "{least}, {half}, {full}");
 }
 
-/// A lander that leaves at either side has crashed.
+/// A lander that leaves the picture at either side has crashed.
 #[test]
 fn a_lander_may_leave_on_neither_side() {
     for side in [1.0, -1.0] {
@@ -95,8 +95,9 @@ fn a_lander_may_leave_on_neither_side() {
     }
 }
 
-/// Version 2 draws the wind from a separate generator: at wind power 0 the episode equals one
-/// without wind. Since version 3 the engines draw after the wind, from the same generator.
+/// Version 2 draws the wind from a separate generator, so at wind power 0 the episode equals an
+/// episode without wind. Version 3 draws the wind and then the engines' dispersion from one
+/// generator.
 #[test]
 fn wind_draws_from_the_episode_since_version_3() {
     for (id, is_aside) in [("LunarLander-v2", true), ("LunarLander-v3", false)] {
@@ -183,7 +184,7 @@ fn a_walkers_motors_end_at_one() {
     );
 }
 
-/// The gas is clipped to 0 and 1. Gymnasium clips only this pedal.
+/// The gas is clipped to the range 0 to 1. Gymnasium clips neither steering nor brake.
 #[test]
 fn a_cars_gas_ends_at_one() {
     let after = |gas: f32| {
@@ -199,7 +200,8 @@ fn a_cars_gas_ends_at_one() {
     assert_ne!(after(0.5), after(1.0));
 }
 
-/// Drives a car without images, by its state, until the episode ends or `driver` returns `None`.
+/// Drives a car without images for at most `most` steps. Returns the outcome of the step that ends
+/// the episode.
 fn drive(
     car: &mut CarRacing,
     most: usize,
@@ -254,8 +256,8 @@ fn a_car_may_leave_the_field_on_no_side() {
     );
 }
 
-/// The share of tiles must be exceeded. Version 2 truncates where version 3 terminates, and has no
-/// info.
+/// A lap counts if more than the share `lap_complete_percent` of the tiles was visited. Version 2
+/// truncates where version 3 terminates, and has no info.
 #[test]
 fn a_lap_needs_more_than_its_share() {
     let ends = |id: &str, percent: f64| {
@@ -295,7 +297,7 @@ fn a_lap_needs_more_than_its_share() {
     assert_eq!(ends("CarRacing-v2", share(count)), goes_on);
 }
 
-/// If the share cannot be reached, the lap ends with its last tile.
+/// If `lap_complete_percent` is above 1, the episode ends with the last tile.
 #[test]
 fn a_lap_is_over_when_every_tile_was_visited() {
     let config = car_racing::Config {
@@ -335,13 +337,14 @@ fn a_lap_is_over_when_every_tile_was_visited() {
     });
     let last = last.expect("the lap ends");
     assert_eq!((last.terminated, last.truncated), (true, false));
-    // 1000 for all tiles together, of which the start paid a part before the first step, less 0.1
-    // per step
+    // the return is 1000 for all tiles (the first step pays for the tiles that the reset visits),
+    // less 0.1 per step
     let missing = 1000.0 - 0.1 * f64::from(steps) - total;
     assert!(missing.abs() < 1e-6, "{total} in {steps} steps");
 }
 
-/// Colours of `domain_randomize: false` are drawn from a separate generator: the track is the same.
+/// With `randomize: false`, the first colours come from a copy of the generator, so the track is
+/// the same.
 #[test]
 fn colours_of_the_start_change_no_track() {
     let track = |domain_randomize: bool, reset: Reset| {
@@ -386,7 +389,7 @@ fn colours_stay_where_none_are_drawn() {
     assert_eq!(colors(Reset::from(3).option("randomize", false)), second);
 }
 
-/// What a state of a car says of its tiles must fit together.
+/// A snapshot whose count of visited tiles differs from its list of tiles is an error.
 #[test]
 fn a_count_of_tiles_that_is_not_theirs_is_refused() {
     let mut car = CarRacing::new(car_racing::Config::default()).unwrap();
@@ -404,7 +407,8 @@ fn a_count_of_tiles_that_is_not_theirs_is_refused() {
     }
 }
 
-/// The exhaust belongs to who renders: a restored lander has it if it renders itself.
+/// A restored lander simulates exhaust only if it renders, whether or not the snapshot's lander
+/// did.
 #[test]
 fn exhaust_is_there_for_who_renders() {
     let lander = |renders: bool| {
@@ -430,7 +434,7 @@ fn exhaust_is_there_for_who_renders() {
     }
 }
 
-/// Every id of version 2 plays like the id of version 3 until a rule differs.
+/// Without wind, every id of version 2 plays like the id of version 3.
 #[test]
 fn versions_of_a_lander_fall_alike() {
     let fall = |id: &str| after(&mut make(id).unwrap(), &Value::Int(0), 30);

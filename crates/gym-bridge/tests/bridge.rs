@@ -1,5 +1,5 @@
-//! Environments of a real Python with gymnasium: `GYM_BRIDGE_PYTHON`, else `python3`. Without it
-//! the tests say so and pass.
+//! Environments of a real Python with gymnasium: `GYM_BRIDGE_PYTHON`, or else `python3`. Without
+//! gymnasium, the tests print a note and pass.
 
 use std::path::Path;
 use std::process::Command;
@@ -16,7 +16,7 @@ fn python() -> String {
     std::env::var("GYM_BRIDGE_PYTHON").unwrap_or_else(|_| "python3".into())
 }
 
-/// Whether Python can import all modules; prints which are missing otherwise.
+/// Whether Python can import all `modules`. If not, prints the missing modules.
 fn has(modules: &[&str]) -> bool {
     let import = format!("import {}", modules.join(", "));
     let there = Command::new(python())
@@ -423,7 +423,7 @@ fn spaces_that_cannot_be_read_are_named() {
     lies("metadata").build().unwrap().reset(0).unwrap();
 }
 
-/// A space that a step changes in its place is the same object, and another space.
+/// A space that a step changes in place is an error, although it is the same Python object.
 #[test]
 fn a_space_that_a_step_changes_in_its_place_is_an_error() {
     if !has(&["gymnasium"]) {
@@ -443,8 +443,8 @@ fn a_space_that_a_step_changes_in_its_place_is_an_error() {
     }
 }
 
-/// An info that contains itself, or shares its parts so often that it is as long, is no reason to
-/// wait for the timeout.
+/// An info that contains itself, or that repeats its parts very often, is an error before the
+/// timeout.
 #[test]
 fn an_endless_info_is_an_error() {
     if !has(&["gymnasium"]) {
@@ -462,7 +462,7 @@ fn an_endless_info_is_an_error() {
     }
 }
 
-/// A process that the environment forks must not answer in the worker's place.
+/// A process that the environment forks must not answer instead of the worker.
 #[test]
 fn only_the_worker_answers() {
     if !has(&["gymnasium"]) {
@@ -750,7 +750,8 @@ fn clones_and_snapshots_continue() {
     );
 }
 
-/// An environment that counts its steps in its info, without the wrappers of Python's `make`.
+/// Returns an environment that counts its steps in its info, without the wrappers of Python's
+/// `make`.
 fn widens(start: i64) -> EnvBuilder {
     let env = bridge("bridge/Widens-v0")
         .arg("module", MODULE)
@@ -865,8 +866,8 @@ fn spaces_that_change_at_a_reset_are_those_of_python() {
     );
 }
 
-/// Agents read the spaces once in an episode: a step that changes them is an error. Equal spaces in
-/// other objects are no change.
+/// Agents read the spaces once in an episode: a step that changes them is an error. A new object
+/// with an equal space is allowed.
 #[test]
 fn spaces_that_change_in_a_step_are_an_error() {
     if !has(&["gymnasium"]) {
@@ -994,7 +995,7 @@ fn recorded_episodes_come_out_equal() {
     println!("{compared} recorded environments compared");
 }
 
-/// Whether `value` equals its recorded form: the numbers, or a checksum for large arrays.
+/// Whether `value` equals `recorded`, which has the numbers or, for large arrays, a checksum.
 fn is_recorded(recorded: &serde_json::Value, value: &Value) -> bool {
     use serde_json::Value as Json;
     match (recorded, value) {

@@ -1,4 +1,4 @@
-//! One family without the facade and without a renderer.
+//! Tests one family without the facade and without a renderer.
 
 use gym_classic as _; // a crate that is not named is not linked, and its environments are missing
 use gym_core::render::RenderMode;

@@ -1,5 +1,5 @@
-//! Constants of the equations as arguments: episodes equal those of Gymnasium 1.4.0 with the same
-//! attributes set, bit for bit.
+//! Constants of the equations as arguments. Episodes equal, bit for bit, the episodes of Gymnasium
+//! 1.4.0 with the same attributes.
 
 use gym_classic as _;
 use gym_core::prelude::*;
@@ -14,7 +14,7 @@ struct Recorded {
     id: String,
     seed: u64,
     arguments: Kwargs,
-    /// FNV-1a of observations, rewards and ends.
+    /// The FNV-1a hash of observations, rewards and ends.
     sum: String,
 }
 
@@ -24,7 +24,7 @@ fn recordings() -> Vec<Recorded> {
     serde_json::from_str(include_str!("constants.json")).unwrap()
 }
 
-/// The actions of a recording: random ones, but most of the time in the direction of the motion.
+/// The actions of a recording. Some are random, most are in the direction of the motion.
 struct Actions {
     rng: Generator,
     /// The number of actions; `None` if an action is a number.
@@ -72,7 +72,7 @@ impl Actions {
     }
 }
 
-/// FNV-1a of an environment's results.
+/// The FNV-1a hash of an environment's results.
 struct Sum(u64);
 
 impl Sum {
@@ -282,11 +282,11 @@ fn constants_that_cannot_be_are_refused() {
     );
 }
 
-/// Steps are finite for all constants that are accepted. Constants that would lead to NaN or
-/// infinity, such as a length near 0, are refused.
+/// For all constants that an environment accepts, the results of steps are finite. Constants that
+/// would lead to NaN or infinity, such as a length near 0, are errors.
 #[test]
 fn numbers_that_are_accepted_give_finite_steps() {
-    // not for pairs: the product of two huge numbers may overflow
+    // not used in pairs, because the product of two huge numbers may overflow
     const OTHERS: [f64; 8] = [-1e-300, 1e-7, 1e-6, 3.0, 1e6, -1e6, 1e9, f64::MAX];
     const EXTREMES: [f64; 4] = [0.0, 5e-324, -1e-6, -0.2];
     let play = |id: &str, arguments: &[(&str, f64)]| {
@@ -349,8 +349,8 @@ fn numbers_that_are_accepted_give_finite_steps() {
     play("Acrobot-v1", &singular);
 }
 
-/// Setting an argument works like setting Gymnasium's attribute: numbers that the constructor
-/// computed from it do not change, nor do the spaces.
+/// Setting an argument has the effect of setting Gymnasium's attribute: numbers that the
+/// constructor computed from the argument do not change, and the spaces do not either.
 #[test]
 fn constants_set_later_take_effect() {
     for Recorded {
@@ -426,8 +426,7 @@ fn each_environment_of_a_vector_has_constants_of_its_own() {
     );
 }
 
-/// The environment's generator draws the constants of a range at each reset; they hold for the
-/// episode.
+/// At each reset, the environment's generator draws the constants of a range for the episode.
 #[test]
 fn ranges_draw_constants_anew_at_each_reset() {
     use gym_classic::cartpole::{CartPoleDynamics, Config};
@@ -444,7 +443,7 @@ fn ranges_draw_constants_anew_at_each_reset() {
     let mut envs = make();
     let mut columns = envs.columns().unwrap();
     envs.reset_into(&5.into(), &mut columns).unwrap();
-    // the expected values, computed by hand
+    // the expected values, computed without the vector
     let start = |rng: &mut Generator| {
         let [gravity, length] = RANGES.map(|(_, low, high)| rng.uniform(low, high));
         let own = CartPoleDynamics::new(Config {
@@ -569,8 +568,8 @@ fn what_cannot_differ_is_refused() {
     );
 }
 
-/// A vector refuses a snapshot whose numbers lie below or above its ranges, and one of another
-/// number of environments or of other arguments. A refused snapshot changes nothing.
+/// A vector refuses a snapshot whose constants lie outside of the vector's ranges, and a snapshot
+/// with another number of environments or other arguments. A refused snapshot changes nothing.
 #[test]
 fn numbers_drawn_outside_of_the_ranges_are_refused() {
     let make = |n: usize, ranges: &[(&str, f64, f64)]| {
@@ -624,8 +623,8 @@ fn numbers_drawn_outside_of_the_ranges_are_refused() {
     }
 }
 
-/// Constants for which episodes would start outside of the observation space are refused when the
-/// environment is made: otherwise its first observation would break its contract.
+/// Constants for which episodes would start outside of the observation space are errors of the
+/// constructor.
 #[test]
 fn every_start_lies_in_the_space() {
     let made = |id: &str, name: &str, x: f64| builder(id).arg(name, x).build();

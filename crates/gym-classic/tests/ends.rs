@@ -8,7 +8,7 @@ use gym_core::vector::{Autoreset, VectorEnv, VectorEnvExt, VectorReset};
 use gym_core::{Continuous, Dynamics, Env, EnvExt, Generator, Reset, Task, Value};
 use gym_native::NativeVectorEnv;
 
-/// Returns the rewards until the pole falls, and of one step more.
+/// Returns the rewards until the pole falls, and the reward of one further step.
 fn rewards(config: Config) -> Vec<f64> {
     let mut env = CartPole::new(config).unwrap();
     env.reset(0).unwrap();
@@ -34,7 +34,7 @@ fn steps_beyond_the_end_are_counted() {
     assert_eq!(env.state().unwrap().steps_beyond_terminated, 0);
 }
 
-/// Gymnasium's state is an array after a reset, and a tuple after a step.
+/// (Gymnasium's state is an array after a reset, and a tuple after a step; the precision differs.)
 #[test]
 fn a_mountain_car_knows_whether_it_has_moved() {
     let mut env = mountain_car::MountainCar::new(mountain_car::Config::default()).unwrap();
@@ -87,8 +87,7 @@ fn what_starts_and_ends_beyond_the_thresholds_is_stored_and_restored() {
     }
 }
 
-/// With the longest steps and the largest force, the numbers grow until they are infinite, and then
-/// NaN.
+/// With the longest steps and the largest force, the state becomes infinite, then NaN.
 #[test]
 fn a_state_that_is_not_finite_is_stored_and_restored() {
     let mut env = CartPole::new(Config {
@@ -142,7 +141,8 @@ fn the_cost_is_that_of_the_action_as_given() {
     assert!((step(3.0).observation[0] - step(1.0).observation[0]).abs() < 1e-6);
 }
 
-/// At the right end of the valley at full speed: both are clipped to exactly the goal's numbers.
+/// At the right end of the valley at full speed, position and velocity are clipped to exactly the
+/// goal's values.
 #[test]
 fn the_goal_itself_counts() {
     let mut rng = Generator::from(0);
@@ -184,7 +184,7 @@ fn the_goal_itself_counts() {
     assert!(after.terminated);
 }
 
-/// A `float64` force makes all sums of a step `float64`; they are rounded once, at the end. Before
+/// With a `float64` force, all sums of a step are `float64` and rounded once, at the end. Before
 /// the first step, the state is `float64` too.
 #[test]
 fn a_precise_force_moves_a_continuous_mountain_car_precisely() {
@@ -272,7 +272,7 @@ fn constants_that_are_not_numbers_are_refused() {
     assert!(error.contains("theta_threshold_radians is NaN"), "{error}");
 }
 
-/// Bounds of a start may meet: the start is then their number.
+/// With equal bounds, the start is exactly this number.
 #[test]
 fn a_start_between_equal_bounds_is_that_number() {
     let mut pole = CartPole::new(Config::default()).unwrap();
@@ -288,7 +288,7 @@ fn a_start_between_equal_bounds_is_that_number() {
     assert!(pendulum.reset(below).is_err());
 }
 
-/// With the default constants no episode has such numbers.
+/// (With the default constants, no episode has a state that is not finite.)
 #[test]
 fn a_state_that_is_no_number_is_refused() {
     let mut env = CartPole::new(Config::default()).unwrap();
@@ -330,7 +330,7 @@ fn a_native_start_beyond_the_thresholds_takes_one_step() {
     assert_eq!(fallen(&envs), [(false, true); 3]);
 }
 
-/// Lengths and masses may be negative, as in Gymnasium, but not nearly 0.
+/// Lengths and masses may be negative, as in Gymnasium, but not close to 0.
 #[test]
 fn negative_divisors_are_taken() {
     for (length, fits) in [(-0.5, true), (-1e-6, true), (-9e-7, false), (0.0, false)] {

@@ -1,9 +1,9 @@
 //! The machine code of the equations: each step is one function of vector instructions with FMA.
 //!
-//! A function that is not inlined silently loses both: the results are the same, and a step takes
-//! five times as long. A measurement shows this only on a quiet machine; the machine code shows it
-//! everywhere, on any CPU. The test also checks that no mathematical function of the platform is
-//! called.
+//! If a function of a step is not inlined, the step has neither vector instructions nor FMA: the
+//! results are the same, but a step takes five times as long. A measurement of time would show this
+//! only on an idle machine; the machine code shows it on any machine. The test also checks that no
+//! mathematical function of the platform is called.
 #![cfg(all(target_arch = "x86_64", target_os = "linux"))]
 
 use std::process::Command;
@@ -19,18 +19,18 @@ const IDS: [&str; 5] = [
     "Pendulum-v1",
 ];
 
-/// The number of FMA instructions in a function, by the count of numbers in a register: 8, 4 or 1.
+/// A function, and its number of FMA instructions on registers of 8, 4 and 1 numbers.
 #[derive(Clone, Debug, Default)]
 struct Function {
     name: String,
     by_8: usize,
     by_4: usize,
     by_1: usize,
-    /// The mathematical function of the platform that is called, if any.
+    /// The mathematical function of the platform that the function calls, if any.
     platform: Option<&'static str>,
 }
 
-/// Functions of the platform that results must not depend on.
+/// Mathematical functions of the platform. Results must not depend on them.
 const PLATFORM: [&str; 20] = [
     "atan2", "cos", "cosf", "exp", "exp2", "expm1", "fma", "fmaf", "log", "log10", "log1p",
     "log1pf", "log2", "pow", "powf", "sin", "sincos", "sinf", "tan", "tanh",
@@ -102,7 +102,7 @@ fn steps_are_vector_instructions_with_fused_multiply_adds() {
     let functions = functions(&String::from_utf8_lossy(&output.stdout));
     assert!(functions.len() > 1000, "{} functions", functions.len());
 
-    // the shortest kernel, MountainCar's, has about 30
+    // MountainCar's step, the shortest, has about 30
     let wide: Vec<_> = functions
         .iter()
         .filter(|function| function.by_8 >= 15)
@@ -128,7 +128,7 @@ fn steps_are_vector_instructions_with_fused_multiply_adds() {
             "one by one: {function:?}"
         );
     }
-    // an FMA outside of a function that is compiled for FMA is a call, too
+    // (an FMA outside of a function that is compiled for FMA would be a call of `fma`)
     for Function { name, platform, .. } in &functions {
         assert!(
             platform.is_none(),

@@ -42,7 +42,7 @@ fn compare(id: &str, num_envs: usize, steps: usize, seed: u64) {
     }
 }
 
-/// 100 is not a multiple of a register's length.
+/// (100 is not a multiple of a register's length.)
 #[test]
 fn native_vectors_equal_scalar_environments() {
     for id in IDS {
@@ -51,7 +51,7 @@ fn native_vectors_equal_scalar_environments() {
     }
 }
 
-/// Returns FNV-1a of the results of 100 environments in 300 steps.
+/// Returns the FNV-1a hash of the results of 100 environments in 300 steps.
 fn fingerprint(id: &str) -> u64 {
     let mut envs = builder(id)
         .vector(100)
@@ -93,9 +93,9 @@ fn results_depend_on_no_machine() {
     assert_eq!(fingerprints, expected);
 }
 
-/// After a reset by a mask, info has nothing of the environments that the mask leaves out, nor an
-/// `episode`, whether their episodes are over or not. This holds in each autoreset mode, and with
-/// the wrapper around the vector or around each sub-environment.
+/// After a reset with a mask, the infos have no entries of the other environments and no `episode`,
+/// whether or not the other environments' episodes are over. This holds in each autoreset mode, and
+/// with the wrapper around the vector or around each sub-environment.
 #[test]
 fn a_masked_reset_tells_nothing_of_those_left_out() {
     const N: usize = 40;
@@ -141,7 +141,7 @@ fn a_masked_reset_tells_nothing_of_those_left_out() {
                 _ => "episode",
             };
             assert!(envs.infos(&columns).contains_key(place), "{what}");
-            // the mask has every second environment: some whose episode is over, and others
+            // the mask selects every second environment, of which some have ended their episode
             let mask: Vec<bool> = (0..N).map(|i| i % 2 == 1).collect();
             envs.reset_into(&VectorReset::default().mask(mask), &mut columns)
                 .unwrap();
@@ -155,7 +155,7 @@ fn a_masked_reset_tells_nothing_of_those_left_out() {
     }
 }
 
-/// A list of actions is checked one by one, and the error names the first that does not fit.
+/// Each action of a list is checked. The error names the first invalid action.
 #[test]
 fn each_action_of_a_list_is_checked() {
     for kind in [VectorKind::Native, VectorKind::Sync] {
@@ -184,7 +184,8 @@ fn cartpoles(n: usize, mode: Autoreset, limit: u32) -> Box<dyn VectorEnv> {
     envs.build().unwrap()
 }
 
-/// Restores into a vector that has begun: it has the snapshot's state, or keeps its own.
+/// Restores `snapshot` into a vector in an episode. Returns whether the vector accepts it. Checks
+/// that a refused snapshot changes nothing.
 fn restored(envs: &mut dyn VectorEnv, snapshot: &Snapshot) -> bool {
     envs.reset_into(&3.into(), &mut Columns::default()).unwrap();
     let own = envs.snapshot().unwrap();
@@ -195,7 +196,8 @@ fn restored(envs: &mut dyn VectorEnv, snapshot: &Snapshot) -> bool {
     fits
 }
 
-/// Also a snapshot from before the first reset fits no other vector.
+/// A snapshot, even from before the first reset, does not fit a vector with another size, mode or
+/// limit.
 #[test]
 fn a_snapshot_fits_one_size_mode_and_limit() {
     use Autoreset::{Disabled, NextStep, SameStep};
@@ -222,7 +224,7 @@ fn a_snapshot_fits_one_size_mode_and_limit() {
     }
 }
 
-/// Only the places of environments have flags, and with `SameStep` none is due.
+/// A snapshot has flags only for existing environments, and with `SameStep` no flag `due`.
 #[test]
 fn flags_that_no_vector_has_are_refused() {
     use Autoreset::{Disabled, NextStep, SameStep};
@@ -251,7 +253,7 @@ fn flags_that_no_vector_has_are_refused() {
     }
 }
 
-/// With `Disabled`, an episode that is truncated waits for a reset, as one that has ended does.
+/// With `Disabled`, a truncated episode needs a reset, like a terminated episode.
 #[test]
 fn a_truncated_episode_waits_for_a_reset() {
     let mut envs = cartpoles(34, Autoreset::Disabled, 2);
@@ -274,7 +276,7 @@ fn a_truncated_episode_waits_for_a_reset() {
     assert_eq!(columns.truncated, late);
 }
 
-/// The last block has places that no environment has.
+/// The last block of a vector has unused places.
 #[test]
 fn places_beyond_the_last_environment_have_no_state() {
     let dynamics = CartPoleDynamics::new(Default::default()).unwrap();
@@ -288,7 +290,7 @@ fn places_beyond_the_last_environment_have_no_state() {
     }
 }
 
-/// The action of an environment whose step is a reset is not looked at.
+/// If the step of an environment is a reset, its action is ignored, even if it is invalid.
 #[test]
 fn an_action_of_an_environment_that_is_due_is_ignored() {
     let mut envs = cartpoles(3, Autoreset::NextStep, 1);

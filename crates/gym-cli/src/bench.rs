@@ -60,7 +60,7 @@ fn parse_seconds(text: &str) -> Result<f64, String> {
     seconds.ok_or_else(|| format!("seconds are a number from 0 to {MAX}"))
 }
 
-/// A way to use an environment.
+/// A way to run an environment.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 enum Kind {
@@ -101,14 +101,14 @@ struct Report {
     start: Option<Start>,
 }
 
-/// A GIF of 500 frames of CartPole-v1.
+/// The recording of a GIF with 500 frames of CartPole-v1.
 #[derive(Serialize)]
 struct Gif {
     seconds: f64,
     bytes: u64,
 }
 
-/// A process that makes CartPole-v1, resets it and takes a step.
+/// The time of a process that makes CartPole-v1, resets it and takes a step.
 #[derive(Serialize)]
 struct Start {
     milliseconds: f64,
@@ -135,7 +135,7 @@ pub(crate) fn bench(arguments: &Arguments, workspace: &Workspace) -> Result<()> 
         inputs::check_writable(path)?;
     }
     let registrations = workspace.select(&arguments.ids)?;
-    // a run over everything also measures the start of a process and a GIF, both with CartPole-v1
+    // without restrictions, also measure the start of a process and a GIF, both with CartPole-v1
     let all = arguments.ids.is_empty()
         && arguments.kind.is_empty()
         && registrations
@@ -214,7 +214,7 @@ pub(crate) fn bench(arguments: &Arguments, workspace: &Workspace) -> Result<()> 
     Ok(())
 }
 
-/// The work of a kind; `None` if the environment does not support the kind.
+/// Returns the work of a kind; `None` if the environment does not support the kind.
 fn work(id: &str, kind: Kind, num_envs: usize) -> Result<Option<Work>> {
     Ok(Some(match kind {
         Kind::Make => scalar(gym::make(id)?)?,
@@ -232,7 +232,7 @@ fn has_native(id: &str) -> bool {
         .any(|registration| registration.id() == id && registration.vector_entry_point.is_some())
 }
 
-/// Actions are drawn beforehand and reused in turn.
+/// The number of actions that are sampled before the measurement, and then taken in turn.
 const ACTIONS: usize = 1024;
 
 fn scalar<E: Env>(mut env: E) -> Result<Work> {
@@ -285,7 +285,7 @@ fn frames(id: &str) -> Result<Work> {
     }))
 }
 
-/// Steps per second in the fastest of ten slices of the time.
+/// Returns the steps per second in the fastest tenth of the time.
 fn measure(mut work: Work, seconds: f64) -> Result<f64> {
     let slice = Duration::from_secs_f64((seconds / 10.0).max(1e-3));
     let mut timed = |steps| {
@@ -306,7 +306,8 @@ fn measure(mut work: Work, seconds: f64) -> Result<f64> {
     Ok(best)
 }
 
-/// Instructions of a step: the difference of a long and a short run under `valgrind`.
+/// Returns the instructions per step: the difference between a long and a short run under
+/// `valgrind`, divided by the steps.
 fn instructions(id: &str, kind: Kind, num_envs: usize) -> Result<f64> {
     let count = |steps: u64| -> Result<u64> {
         let program = std::env::current_exe().map_err(|error| Error::custom(error.to_string()))?;
@@ -332,7 +333,7 @@ fn instructions(id: &str, kind: Kind, num_envs: usize) -> Result<f64> {
             .and_then(|count| count.trim().parse().ok())
             .ok_or_else(|| Error::custom(format!("valgrind gives no count: {text}")))
     };
-    // enough steps for episodes to begin and end
+    // (enough steps for several episodes)
     let short = (10 * num_envs as u64).max(2000);
     let long = 6 * short;
     Ok((count(long)? as f64 - count(short)? as f64) / (long - short) as f64)

@@ -1,6 +1,7 @@
-//! Cargo's error about one crate from two folders, said in words that name the remedy.
+//! Explains Cargo's error about one crate from two folders, and names the remedy.
 
-/// Explains an error of Cargo, if it is about packages of one name and version from two folders.
+/// Returns an explanation of `error`, if it is Cargo's error about two packages with the same name
+/// and version from two folders.
 pub(crate) fn explain(error: &str) -> Option<String> {
     let (_, packages) = error.split_once("package collision in the lockfile: packages ")?;
     let (first, rest) = packages.split_once(" and ")?;

@@ -15,7 +15,7 @@ pub(crate) struct Arguments {
     format: String,
 }
 
-/// Builds this program with the checks, and runs it.
+/// Builds this program with the feature `conform`, and runs it.
 #[cfg(not(feature = "conform"))]
 pub(crate) fn conform(arguments: &Arguments, workspace: &Workspace) -> Result<ExitCode> {
     use std::env;
@@ -23,7 +23,7 @@ pub(crate) fn conform(arguments: &Arguments, workspace: &Workspace) -> Result<Ex
 
     use gym::Error;
 
-    // another profile than that of this program: some systems cannot replace a file that runs
+    // use another profile than this program's, because some systems cannot replace a running file
     let mut cargo = Command::new(env::var_os("CARGO").unwrap_or_else(|| "cargo".into()));
     cargo
         .args(["run", "--features", "gym-cli/conform", "--manifest-path"])
@@ -33,7 +33,7 @@ pub(crate) fn conform(arguments: &Arguments, workspace: &Workspace) -> Result<Ex
     let status = cargo
         .status()
         .map_err(|error| Error::custom(format!("cargo cannot be run: {error}")))?;
-    // a signal leaves no code
+    // a program that a signal ended has no exit code
     let code = status.code().and_then(|code| u8::try_from(code).ok());
     Ok(code.map_or(ExitCode::FAILURE, ExitCode::from))
 }

@@ -51,8 +51,8 @@ pub(crate) fn demo(arguments: &Arguments, workspace: &Workspace) -> Result<()> {
         );
     let stems = stems(registrations.iter().map(Registration::id));
     let workers = thread::available_parallelism().map_or(1, usize::from);
-    // each thread takes the next environment when it is free: some take a hundred times as long as
-    // others
+    // each thread takes the next environment when it is free, because some environments take a
+    // hundred times as long as others
     let waiting = Mutex::new(registrations.iter().enumerate());
     let work = || {
         let next = || {
@@ -95,7 +95,7 @@ pub(crate) fn demo(arguments: &Arguments, workspace: &Workspace) -> Result<()> {
     Ok(())
 }
 
-/// The newest version of each task, on its own engine.
+/// Returns the newest version of each task, without the ids in the namespace `rapier`.
 fn newest(registrations: Vec<Registration>) -> Vec<Registration> {
     let ids: Vec<EnvId> = registrations
         .iter()
@@ -110,8 +110,8 @@ fn newest(registrations: Vec<Registration>) -> Vec<Registration> {
     registrations.into_iter().filter(is_newest).collect()
 }
 
-/// The names of the environments' files, without the extension. Where two ids would have one name,
-/// `+`, which no id has, stands for the `/`.
+/// Returns the names of the environments' files, without the extension. If two ids would have the
+/// same name, `+` replaces the `/`, because no id contains a `+`.
 fn stems<'a>(ids: impl Iterator<Item = &'a str> + Clone) -> Vec<String> {
     let mut counts = BTreeMap::new();
     for id in ids.clone() {
@@ -137,14 +137,15 @@ fn show(spec: EnvSpec, stem: &Path, arguments: &Arguments, bar: &ProgressBar) ->
     Ok(row)
 }
 
-/// A file of an environment. `Path::with_extension` would cut a name at its last dot.
+/// Returns `stem` with an extension. (`Path::with_extension` would replace the part after the last
+/// dot of an id.)
 fn with_extension(stem: &Path, extension: &str) -> PathBuf {
     let mut path = stem.as_os_str().to_owned();
     path.push(format!(".{extension}"));
     path.into()
 }
 
-/// Plays the episodes of one environment and records the first ones.
+/// Plays the episodes of one environment, and records the first `max_frames` frames.
 fn play(
     spec: EnvSpec,
     stem: &Path,

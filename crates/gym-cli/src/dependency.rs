@@ -1,4 +1,5 @@
-//! How a workspace names this project's crates in its manifests: by version, by git or by folder.
+//! The source from which a workspace's manifests take this project's crates: a version, a git
+//! repository or a folder.
 
 use std::env;
 use std::path::{Path, PathBuf};
@@ -22,7 +23,7 @@ pub(crate) enum Source {
 }
 
 impl Source {
-    /// The source that the manifest of the workspace's program names.
+    /// Returns the source that the manifest of the workspace's program names.
     ///
     /// # Errors
     /// If the manifest does not name this crate.
@@ -63,7 +64,7 @@ impl Source {
         ))
     }
 
-    /// The dependency on the crate `name`, as a value for a manifest.
+    /// Returns the dependency on the crate `name`, as a value for a manifest.
     pub(crate) fn dependency(&self, name: &str) -> String {
         match self {
             Self::Folder(folder) => format!("{{ path = {:?} }}", folder.join(name)),
@@ -76,7 +77,7 @@ impl Source {
     }
 }
 
-/// The output of `cargo metadata` for a manifest.
+/// Returns the output of `cargo metadata` for a manifest.
 pub(crate) fn metadata(manifest: &Path, options: &[&str]) -> Result<Json> {
     let wrong = |reason: String| Error::custom(format!("{}: {reason}", manifest.display()));
     let output = Command::new(env::var_os("CARGO").unwrap_or_else(|| "cargo".into()))
@@ -94,7 +95,7 @@ pub(crate) fn metadata(manifest: &Path, options: &[&str]) -> Result<Json> {
     serde_json::from_slice(&output.stdout).map_err(|error| wrong(error.to_string()))
 }
 
-/// The elements of a list in JSON; of other JSON, none.
+/// Returns the elements of a JSON array; no elements for other JSON.
 pub(crate) fn list(json: &Json) -> &[Json] {
     json.as_array().map(Vec::as_slice).unwrap_or_default()
 }

@@ -1,4 +1,4 @@
-//! What several commands take: seeds, JSON, files.
+//! Inputs of several commands: seeds, JSON, files.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -6,19 +6,19 @@ use std::path::{Path, PathBuf};
 use gym::{Error, Kwargs, Result, unique};
 use serde_json::Value as Json;
 
-/// A seed on the command line.
+/// Parses a seed on the command line.
 pub(crate) fn parse_seed(text: &str) -> Result<u64, String> {
     text.parse()
         .map_err(|_| format!("a seed is a whole number from 0 to {}", u64::MAX))
 }
 
-/// A number of episodes, frames or steps on the command line.
+/// Parses a number of episodes, frames or steps on the command line.
 pub(crate) fn parse_count(text: &str) -> Result<u64, String> {
     let count = text.parse().ok().filter(|count| *count > 0);
     count.ok_or_else(|| format!("a whole number from 1 to {} is needed", u64::MAX))
 }
 
-/// Arguments of an environment, as JSON on the command line.
+/// Parses an environment's arguments, as JSON on the command line.
 pub(crate) fn parse_kwargs(text: &str) -> Result<Kwargs, String> {
     match parse_json(text) {
         Ok(Json::Object(kwargs)) => Ok(kwargs),
@@ -27,17 +27,18 @@ pub(crate) fn parse_kwargs(text: &str) -> Result<Kwargs, String> {
     }
 }
 
-/// JSON on the command line. A key that stands twice in an object is an error.
+/// Parses JSON on the command line. A duplicate key in an object is an error.
 pub(crate) fn parse_json(text: &str) -> Result<Json, String> {
     unique::from_str(text).map_err(|error| error.to_string())
 }
 
-/// Fails early if a file cannot be written.
+/// Returns an error, before the work starts, if the file `path` cannot be written.
 pub(crate) fn check_writable(path: &Path) -> Result<()> {
     gym::render::file::AtomicFile::create(path).map(drop)
 }
 
-/// Fails early if two options name one file: its second content would replace the first.
+/// Returns an error, before the work starts, if two options name the same file, because the second
+/// result would replace the first.
 pub(crate) fn check_distinct<const N: usize>(files: [(&str, &Option<PathBuf>); N]) -> Result<()> {
     for (i, (second, path)) in files.iter().enumerate() {
         for (first, other) in &files[..i] {
@@ -53,15 +54,15 @@ pub(crate) fn check_distinct<const N: usize>(files: [(&str, &Option<PathBuf>); N
     Ok(())
 }
 
-/// Whether both paths lead to one file, which need not exist yet. Devices and pipes can take two
-/// results.
+/// Whether both paths lead to the same file, which need not exist yet. False for devices and pipes,
+/// to which two results can be written.
 pub(crate) fn is_one_file(a: &Path, b: &Path) -> bool {
     let is_device = |path: &Path| fs::metadata(path).is_ok_and(|found| !found.is_file());
     !is_device(a) && (a == b || written(a).is_some_and(|a| written(b) == Some(a)))
 }
 
-/// The file that writing to `path` replaces. Links are followed, even to a file that does not exist
-/// yet.
+/// Returns the file that a result written to `path` replaces. Follows links, even to a file that
+/// does not exist yet.
 fn written(path: &Path) -> Option<PathBuf> {
     const MAX_LINKS: usize = 40; // as Linux
     let mut path = path.to_owned();
@@ -78,7 +79,7 @@ fn written(path: &Path) -> Option<PathBuf> {
     None
 }
 
-/// An id as part of a file name.
+/// Returns an id as part of a file name.
 pub(crate) fn file_stem(id: &str) -> String {
     id.replace('/', "_")
 }
@@ -107,7 +108,8 @@ mod tests {
         assert_eq!(Path::new(&file_stem("a/b/c-v0")).components().count(), 1);
     }
 
-    /// Links to files that exist or not, to links, by whole and relative paths, both ways round.
+    /// Covers links to existing and missing files, links to links, absolute and relative paths, in
+    /// both orders.
     #[cfg(unix)]
     #[test]
     fn a_link_and_its_target_are_one_file() {

@@ -1,23 +1,24 @@
-//! The keys of play.
+//! The keys of `cargo xtask play`.
 
 use gym::keys::{Idle, Keys};
 use gym::{BoxEnv, Env, Error, Result, Space, registry};
 use serde_json::{Value as Json, json};
 
-/// The keys of an environment, from its registration; otherwise the digits, if actions are numbers.
+/// Returns the keys of an environment: the registration's keys or, if it has none and the actions
+/// are discrete, the digits.
 pub(crate) fn of(id: &str, env: &BoxEnv) -> Result<Keys> {
     let registered = registry::find(id)?.keys;
     Ok(registered.map_or_else(|| Keys::new(digits(&env.action_space())), |keys| keys(env)))
 }
 
-/// Gives a key another action.
+/// Sets the action of the key `key`.
 pub(crate) fn set(keys: &mut Keys, key: &str, action: Json) {
     keys.actions
         .retain(|(name, _)| !name.eq_ignore_ascii_case(key));
     keys.actions.push((key.to_owned(), action));
 }
 
-/// Whether every action is in the space.
+/// Returns an error if an action is not in `space`.
 pub(crate) fn check(keys: &Keys, space: &Space) -> Result<()> {
     if keys.actions.is_empty() {
         let reason = format!("there are no default keys for {space}: add `--key NAME=ACTION`");
@@ -43,7 +44,7 @@ pub(crate) fn check(keys: &Keys, space: &Space) -> Result<()> {
         })
 }
 
-/// The action of the pressed keys, if one of them has an action.
+/// Returns the action of the pressed keys `down`, if one of them has an action.
 #[cfg_attr(
     not(any(feature = "human", test)),
     expect(dead_code, reason = "for windows")
@@ -59,7 +60,7 @@ pub(crate) fn action(keys: &Keys, down: &[String]) -> Option<Json> {
     Some(actions.fold(first, |sum, action| add(&sum, action).unwrap_or(sum)))
 }
 
-/// The keys and their actions, to print.
+/// Returns a description of the keys and their actions.
 pub(crate) fn describe(keys: &Keys) -> String {
     let keys: Vec<_> = keys
         .actions
@@ -69,7 +70,7 @@ pub(crate) fn describe(keys: &Keys) -> String {
     keys.join(", ")
 }
 
-/// `0` to `9` for the first actions of a discrete space.
+/// Returns the keys `0` to `9` for the first actions of a discrete space.
 fn digits(space: &Space) -> Json {
     let Space::Discrete(space) = space else {
         return json!({});
@@ -79,7 +80,7 @@ fn digits(space: &Space) -> Json {
         .collect()
 }
 
-/// The sum of two vectors of equal length.
+/// Returns the sum of two vectors of equal length; `None` for other actions.
 fn add(a: &Json, b: &Json) -> Option<Json> {
     let (a, b) = (a.as_array()?, b.as_array()?);
     if a.len() != b.len() {
@@ -137,7 +138,8 @@ mod tests {
         assert_eq!(action(&digits, &down(&["2"])), Some(json!(2)));
     }
 
-    /// Vectors of one length are added; of other actions the first counts.
+    /// Actions of pressed keys are added if they are vectors of equal length. Otherwise the first
+    /// action counts.
     #[test]
     fn actions_that_cannot_be_added_leave_the_first() {
         let actions = json!({"a": [1.0, 0.0], "b": [0.5, -1.0], "c": [1.0], "d": 3, "e": ["x", 0]});
@@ -155,7 +157,7 @@ mod tests {
         }
     }
 
-    /// A digit counts from the first action of the space.
+    /// The digit 0 is the first action of the space.
     #[test]
     fn digits_begin_at_the_first_action() {
         let of = |n: i64, start: i64| {

@@ -12,16 +12,16 @@
 //! }
 //! ```
 //!
-//! `cargo xtask new` makes such a workspace, and `cargo xtask help` lists the commands. A command
-//! that names no environment serves those that the workspace registers; every linked one can be
-//! named.
+//! `cargo xtask new` makes such a workspace, and `cargo xtask help` lists the commands. Without an
+//! id, a command serves all environments that the workspace registers. An id can name any linked
+//! environment.
 //!
-//! `conform` counts allocations, with an allocator that takes 17 ns for a small piece of memory
-//! where the system's takes 10. Other commands would be slower, and `bench` would measure it, so
-//! `conform` is a build of its own, with the feature `conform`: the command builds it with the
-//! profile `dev`, which checks arithmetic for overflows too.
+//! `conform` counts allocations with a special allocator, which needs 17 ns for a small allocation
+//! (the system's allocator: 10 ns). The other commands, above all `bench`, must not become slower,
+//! so `conform` is a separate build with the feature `conform`. It uses the profile `dev`, which
+//! also checks for arithmetic overflow.
 
-// `print!` panics if the output cannot be written
+// (`print!` panics if the output cannot be written)
 #![warn(clippy::print_stdout, clippy::print_stderr)]
 
 mod bench;
@@ -110,14 +110,14 @@ pub fn main_with_book(package: &str, book: &Book) -> ExitCode {
     start(package, Some(book))
 }
 
-/// The exit code of a program that Ctrl+C has ended, as shells report it.
+/// The exit code that shells report for a program that Ctrl+C has ended.
 const INTERRUPTED: i32 = 130;
 
 fn start(package: &str, book: Option<&Book>) -> ExitCode {
     log::set_logger(&Stderr)
         .map(|()| log::set_max_level(log::LevelFilter::Warn))
         .ok();
-    // without a handler Ctrl+C would leave the files that are being written, under temporary names
+    // without this handler, Ctrl+C would leave temporary files of unfinished results
     ctrlc::set_handler(|| gym::render::file::remove_unfinished_and_exit(INTERRUPTED)).ok();
     let arguments = match Arguments::try_parse() {
         Ok(arguments) => arguments,
@@ -152,7 +152,7 @@ fn command(command: Command, workspace: &Workspace, book: Option<&Book>) -> Resu
     .map(|()| ExitCode::SUCCESS)
 }
 
-/// Shows the library's warnings, for example about an outdated environment.
+/// Prints the library's warnings, such as a warning about an outdated environment.
 struct Stderr;
 
 impl log::Log for Stderr {
@@ -161,7 +161,7 @@ impl log::Log for Stderr {
     }
 
     fn log(&self, record: &log::Record<'_>) {
-        // warnings of other crates are not for the user
+        // (warnings of other crates do not concern the user)
         if record.target().starts_with("gym") {
             tell(format_args!(
                 "{}: {}",

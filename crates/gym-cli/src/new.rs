@@ -24,8 +24,8 @@ pub(crate) struct Arguments {
     native: bool,
 }
 
-/// The files of a new crate, except its environment, with their texts, in which `plugin_name` is
-/// replaced by the crate's name.
+/// The files of a new crate, except its environment, and their texts. The crate's name replaces
+/// `plugin_name`.
 const FILES: [(&str, &str); 8] = [
     (
         "Cargo.toml",
@@ -90,10 +90,10 @@ pub(crate) fn new(arguments: &Arguments, workspace: &Workspace) -> Result<()> {
         )));
     }
     let source = Source::of(workspace)?;
-    // write to a temporary name, and rename when everything is written
+    // write to a temporary folder, and rename the folder when everything is written
     let unfinished = folder.with_file_name(format!(".{name}-{}.tmp", process::id()));
     let written = match write_all(&unfinished, arguments, &source, &lock) {
-        // the user knows the folder by its own name
+        // name the final folder in the error, not the temporary one
         Err(Error::Io { source, .. }) => Err(Error::Io {
             path: folder.display().to_string(),
             source,
@@ -103,7 +103,7 @@ pub(crate) fn new(arguments: &Arguments, workspace: &Workspace) -> Result<()> {
     let written = written
         .and_then(|()| fs::rename(&unfinished, &folder).map_err(|error| Error::io(&folder, error)));
     if written.is_err() {
-        // Nothing more can be done if this fails too.
+        // (if this fails too, the first error is the one to report)
         let _ = fs::remove_dir_all(&unfinished);
         return written;
     }
@@ -122,10 +122,10 @@ pub(crate) fn new(arguments: &Arguments, workspace: &Workspace) -> Result<()> {
     Ok(())
 }
 
-/// Checks that a name is valid for a package, a crate and a namespace. `lock` lists the packages
-/// that the new one is built with.
+/// Checks that `name` is a valid name of a package, a crate and a namespace. `lock` is the lock
+/// file with all dependencies of the new package.
 fn check_name(name: &str, lock: &str) -> Result<()> {
-    /// Reserved words, and crates of every program.
+    /// Reserved words, and names of crates that every program links.
     const TAKEN: &str = "abstract as async await become box break const continue crate do dyn else enum extern false \
                          final fn for gen if impl in let loop macro match mod move mut override \
                          priv pub ref return self serde static std struct super test trait true try type typeof \
@@ -157,7 +157,7 @@ fn check_name(name: &str, lock: &str) -> Result<()> {
     Ok(())
 }
 
-/// The task's name, and its description in the README.
+/// Returns the task's name, and its description in the README.
 fn task(native: bool) -> (&'static str, &'static str) {
     if native {
         (
@@ -200,7 +200,7 @@ fn write_all(folder: &Path, arguments: &Arguments, source: &Source, lock: &str) 
             .replace("GYM_RENDER", &source.dependency("gym-render"));
         gym::render::file::write(&path, text.as_bytes())?;
     }
-    // use the versions that this workspace has downloaded
+    // use the versions of the dependencies that this workspace uses
     gym::render::file::write(folder.join("Cargo.lock"), lock.as_bytes())
 }
 

@@ -1,4 +1,4 @@
-//! In place of [`families`](crate::families) in a program without them.
+//! Replaces the module `families` in a program without the feature `families`.
 
 use std::path::Path;
 

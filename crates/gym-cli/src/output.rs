@@ -1,7 +1,8 @@
-//! Text for the terminal. `println!` panics where the output cannot be written.
+//! Text for the terminal. Unlike `println!`, these functions do not panic if the output cannot be
+//! written.
 //!
-//! A reader such as `head` may close the pipe when it has seen enough. That ends the printing: the
-//! command goes on, writes its files and gives its own exit status.
+//! A reader such as `head` may close the pipe early. The command then stops printing, but still
+//! writes its files and returns its own exit status.
 
 use std::fmt::Arguments;
 use std::io::{ErrorKind, Write, stderr, stdout};
@@ -13,7 +14,7 @@ use gym::{Error, Result, printable};
 /// The name of the standard output in errors.
 const NAME: &str = "standard output";
 
-/// Whether the reader of the standard output has closed it.
+/// Whether the reader of the standard output has closed the pipe.
 static READER_LEFT: AtomicBool = AtomicBool::new(false);
 
 /// Writes to the standard output and flushes it. Nothing is escaped.
@@ -36,14 +37,14 @@ pub(crate) fn text(text: &str) -> Result<()> {
     write(format_args!("{}", Lines(text)))
 }
 
-/// Prints a line, as `println!`, and gives an error where it cannot be written. Control characters
-/// are escaped.
+/// Prints a line like `println!`, but returns an error if the line cannot be written. Control
+/// characters are escaped.
 pub(crate) fn say(text: Arguments<'_>) -> Result<()> {
     write(format_args!("{}\n", Lines(&text.to_string())))
 }
 
-/// Prints a line to the standard error, as `eprintln!`. Control characters are escaped, and lines
-/// that quote something huge are cut. An error of writing is ignored.
+/// Prints a line to the standard error like `eprintln!`, but ignores an error of writing. Control
+/// characters are escaped, and long lines are cut.
 pub(crate) fn tell(text: Arguments<'_>) {
     const MAX_LENGTH: usize = 2000;
     let cut = |line: &str| match line.char_indices().nth(MAX_LENGTH) {
@@ -54,10 +55,10 @@ pub(crate) fn tell(text: Arguments<'_>) {
     let _ = writeln!(stderr().lock(), "{}", Lines(&lines.join("\n")));
 }
 
-/// Prints the message of a command line that is refused, or the help; gives the exit status.
+/// Prints the help, or the error of an invalid command line. Returns the exit status.
 pub(crate) fn refuse(error: &clap::Error) -> u8 {
     if error.use_stderr() {
-        // it may quote control characters of the arguments
+        // (the error may quote control characters of the arguments)
         tell(format_args!("{}", error.render().to_string().trim_end()));
     } else if let Err(error) = error.print()
         && error.kind() != ErrorKind::BrokenPipe

@@ -51,8 +51,8 @@ pub(crate) struct Arguments {
 }
 
 impl Arguments {
-    /// The reset that begins the first episode. A trace without a seed could not be replayed, so a
-    /// seed is drawn for it.
+    /// Returns the reset that begins the first episode. With a trace but without `--seed`, draws a
+    /// seed, because a trace without a seed cannot be replayed.
     fn first_reset(&self) -> Result<Reset> {
         Ok(match (self.seed, &self.trace) {
             (None, Some(_)) => Reset::from(u64::from(Seed::from_os()?.words()[0])),
@@ -100,7 +100,7 @@ pub(crate) fn play(arguments: &Arguments) -> Result<()> {
     } else {
         in_window(&mut session, &keys, arguments)
     };
-    // the recordings are kept, whatever ended the game
+    // finish the recordings even if the game ended with an error
     played.and(session.finish(arguments))
 }
 
@@ -170,7 +170,7 @@ impl Session {
         })
     }
 
-    /// Takes a step; gives whether the episode is over.
+    /// Takes a step. Returns whether the episode is over.
     fn step(&mut self, action: &Json) -> Result<bool> {
         let step = self.env.step(&self.env.action_space().from_json(action)?)?;
         self.steps += 1;
@@ -209,7 +209,7 @@ impl Session {
             .map_or(Ok(()), |video| video.write(&self.frame))
     }
 
-    /// Whether enough episodes have been played once this one is over.
+    /// Whether this episode is the last.
     fn is_last(&self) -> bool {
         self.episodes
             .is_some_and(|episodes| self.episode >= episodes)
@@ -242,7 +242,7 @@ impl Session {
     }
 }
 
-/// Plays line by line: the name of a key, or the start of it, and Enter.
+/// Plays line by line. Each line is the name of a key or the start of a name.
 fn in_terminal(session: &mut Session, keys: &Keys) -> Result<()> {
     say(format_args!(
         "write a key's name or the start of it and press Enter; or `restart`, or `q` to quit"
@@ -290,7 +290,7 @@ fn in_window(session: &mut Session, keys: &Keys, arguments: &Arguments) -> Resul
     window::play(session, keys, arguments)
 }
 
-/// [`play`] has refused to play in a window.
+/// Never called: [`play`] refuses to play in a window without the feature `human`.
 #[cfg(not(feature = "human"))]
 fn in_window(_: &mut Session, _: &Keys, _: &Arguments) -> Result<()> {
     Ok(())
@@ -304,7 +304,7 @@ mod window {
 
     use super::*;
 
-    /// The time for which the end of an episode is shown.
+    /// The duration for which the end of an episode is shown.
     const PAUSE: Duration = Duration::from_millis(800);
 
     /// Plays until the window is closed.

@@ -7,7 +7,7 @@ use gym::{Error, Result};
 
 use crate::policy::Episode;
 
-/// Fails early if a file name is not that of a plot.
+/// Returns an error, before the work starts, if the extension of `path` is neither `svg` nor `png`.
 pub(crate) fn check_name(path: &Path) -> Result<()> {
     match extension(path).as_deref() {
         Some("svg" | "png") => Ok(()),
@@ -21,12 +21,12 @@ pub(crate) fn check_name(path: &Path) -> Result<()> {
     }
 }
 
-/// The extension of a file name, in lower case.
+/// Returns the extension of a file name, in lower case.
 fn extension(path: &Path) -> Option<String> {
     Some(path.extension()?.to_str()?.to_ascii_lowercase())
 }
 
-/// Writes returns and lengths of some runs, each under its name, to an SVG or PNG file.
+/// Plots the returns and lengths of `runs`, each with its name, to an SVG or PNG file.
 pub(crate) fn write(path: &Path, title: &str, runs: &[(String, Vec<Episode>)]) -> Result<()> {
     let values = runs.iter().map(|(name, episodes)| {
         let returns: Vec<f64> = episodes

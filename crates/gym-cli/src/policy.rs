@@ -10,12 +10,12 @@ pub(crate) enum Policy {
     /// Actions sampled from the action space.
     Random,
     /// The policy of the environment's registration: rules, or a trained network.
-    // Gymnasium's word for the good policies of Box2D
+    // (Gymnasium's name for the good policies of Box2D)
     #[value(alias = "heuristic")]
     Good,
 }
 
-/// One episode, summed up.
+/// The result of an episode.
 #[derive(Clone, Debug, Serialize)]
 pub(crate) struct Episode {
     pub(crate) seed: u64,
@@ -29,13 +29,14 @@ pub(crate) struct Episode {
     pub(crate) last_observation: Value,
 }
 
-/// Writes a value as plain JSON.
+/// Serializes a value as JSON, without its type.
 fn plain<S: Serializer>(value: &Value, serializer: S) -> std::result::Result<S::Ok, S::Error> {
     value.to_json().serialize(serializer)
 }
 
 impl Policy {
-    /// The good policy of an environment, if its registration has one for these arguments.
+    /// Returns the good policy of an environment, if the registration has a good policy for the
+    /// environment's arguments.
     pub(crate) fn good(env: &BoxEnv) -> Result<Option<Controller>> {
         let Some(spec) = env.spec() else {
             return Ok(None);
@@ -45,7 +46,7 @@ impl Policy {
             .map_or(Ok(None), |policy| policy.controller(env))
     }
 
-    /// The policy of an episode from `seed`.
+    /// Returns the controller for an episode with the seed `seed`.
     fn controller(self, env: &BoxEnv, seed: u64) -> Result<Controller> {
         match self {
             Self::Random => {
@@ -61,13 +62,14 @@ impl Policy {
         }
     }
 
-    /// Its name on the command line.
+    /// Returns the policy's name on the command line.
     pub(crate) fn name(self) -> String {
         self.to_possible_value()
             .map_or_else(String::new, |value| value.get_name().to_owned())
     }
 
-    /// Plays an episode from `seed`; `watch` sees the environment after the reset and each step.
+    /// Plays an episode with the seed `seed`. Calls `watch` with the environment after the reset
+    /// and after each step.
     pub(crate) fn play(
         self,
         env: &mut BoxEnv,

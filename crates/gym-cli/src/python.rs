@@ -12,8 +12,8 @@ use crate::dependency::{Source, list, metadata};
 use crate::output::say;
 use crate::workspace::Workspace;
 
-/// The files and folders that are copied from gym-python: maturin packs no module from outside the
-/// package's folder.
+/// The files and folders that are copied from gym-python, because maturin packs only modules inside
+/// the package's folder.
 const COPIED: [&str; 6] = [
     "README.md",
     "LICENSE-APACHE",
@@ -23,7 +23,8 @@ const COPIED: [&str; 6] = [
     "python",
 ];
 
-/// Writes the package to the folder `python` of the workspace. A manifest that is there stays.
+/// Writes the package to the folder `python` of the workspace. An existing manifest is not
+/// replaced.
 pub(crate) fn python(workspace: &Workspace) -> Result<()> {
     let source = Source::of(workspace)?;
     if matches!(&source, Source::Folder(crates) if crates.starts_with(workspace.folder())) {
@@ -49,7 +50,7 @@ pub(crate) fn python(workspace: &Workspace) -> Result<()> {
             manifest.display()
         ))
     })?;
-    // remove the files of an earlier version; if that fails, writing reports the error
+    // remove the files of an earlier version (if this fails, a later write reports the error)
     let _ = fs::remove_dir_all(folder.join("python"));
     for name in COPIED {
         copy(&ours.join(name), &folder.join(name))?;
@@ -57,7 +58,8 @@ pub(crate) fn python(workspace: &Workspace) -> Result<()> {
     say(format_args!("pip install {}", folder.display()))
 }
 
-/// Writes a crate that links gym-python and the crates of the workspace that register environments.
+/// Writes a crate that links gym-python and those crates of the workspace that register
+/// environments.
 fn write_crate(folder: &Path, source: &Source, workspace: &Workspace) -> Result<()> {
     let own = workspace.own()?;
     let packages: BTreeSet<_> = own
@@ -102,7 +104,7 @@ fn write_crate(folder: &Path, source: &Source, workspace: &Workspace) -> Result<
     Ok(())
 }
 
-/// The folder of a package in the output of `cargo metadata`.
+/// Returns the folder of the package `name` in the output of `cargo metadata`.
 fn folder_of(metadata: &Json, name: &str) -> Option<PathBuf> {
     let package = list(&metadata["packages"])
         .iter()

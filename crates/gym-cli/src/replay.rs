@@ -60,10 +60,10 @@ pub(crate) fn replay(arguments: &Arguments) -> Result<()> {
     }
 }
 
-/// The path of the answer to each recording: a file of the same name in the folder.
+/// Returns the path of the answer to each recording: a file of the same name in `out`.
 ///
 /// # Errors
-/// If two recordings have one file name, and if an answer would replace a recording.
+/// If two recordings have the same file name, or an answer would replace a recording.
 fn destinations(traces: &[PathBuf], out: &Path) -> Result<BTreeMap<PathBuf, PathBuf>> {
     let refuse = |reason: String| Err(Error::argument("--out", reason));
     let recordings: BTreeSet<PathBuf> = traces
@@ -124,8 +124,8 @@ fn parse(text: &str) -> Result<Trace> {
     serde_json::from_str(text).map_err(|error| Error::custom(format!("not a trace: {error}")))
 }
 
-/// Compares a recording with its replay. Returns the parts that are equal, and those that are not
-/// compared.
+/// Compares a recording with its replay. Returns a text that names the equal parts and the parts
+/// that are not compared.
 fn compare(path: &Path) -> Result<String> {
     let text = read(path)?;
     if let Some(compared) = families::compare(&text) {
@@ -151,7 +151,8 @@ fn compare(path: &Path) -> Result<String> {
     })
 }
 
-/// Replaces the answers, and keeps the other parts of the file, such as its policy.
+/// Writes the recording `path` with new answers to `to`. The other entries of the file, such as the
+/// policy, stay.
 fn write_answers(path: &Path, to: &Path) -> Result<()> {
     let text = read(path)?;
     let not_json = |error: serde_json::Error| Error::custom(format!("not a recording: {error}"));
@@ -181,7 +182,7 @@ fn write_answers(path: &Path, to: &Path) -> Result<()> {
     file::write(to, &json.map_err(not_json)?)
 }
 
-/// A trace and the other parts of its file.
+/// The events of a trace, and the other entries of its file.
 #[derive(serde::Serialize)]
 struct Answers<'a> {
     #[serde(flatten)]
@@ -201,7 +202,7 @@ mod tests {
         std::fs::write(&path, [0xff, 0xfe, b'{', 0]).unwrap();
         let error = read(&path).unwrap_err().to_string();
         assert!(error.contains("not text in UTF-8"), "{error}");
-        // nor is a file a folder for answers
+        // a file cannot be the folder for answers
         let arguments = Arguments {
             traces: vec![path.clone()],
             out: Some(path.clone()),
@@ -211,7 +212,7 @@ mod tests {
         std::fs::remove_file(&path).unwrap();
     }
 
-    /// A recording may be named twice; two recordings may not have one name.
+    /// The same recording may be given twice. Two recordings may not have the same file name.
     #[test]
     fn each_recording_has_a_file_of_its_own() {
         let to = |paths: &[&str]| {
@@ -229,7 +230,7 @@ mod tests {
             assert!(error.contains("would both be written to"), "{error}");
         }
         assert!(to(&["/"]).unwrap_err().to_string().contains("name a file"));
-        // an answer never replaces a recording, by whatever path
+        // an answer never replaces a recording, even if the path is written in another way
         let own = Path::new(file!()).file_name().unwrap();
         let manifest = Path::new(env!("CARGO_MANIFEST_DIR"));
         let recording = manifest.join("src").join(own);

@@ -97,7 +97,7 @@ fn play(spec: &EnvSpec, policy: Policy, seeds: Range<u64>) -> Result<Vec<Episode
     Ok(episodes)
 }
 
-/// The end of an episode, in words.
+/// Returns the end of an episode in words.
 fn ending(terminated: bool, truncated: bool) -> &'static str {
     match (terminated, truncated) {
         (true, true) => "terminated and truncated",
@@ -106,7 +106,7 @@ fn ending(terminated: bool, truncated: bool) -> &'static str {
     }
 }
 
-/// Means and ranges, in one line.
+/// Returns the means and ranges of returns and lengths, in one line.
 pub(crate) fn summary(episodes: &[Episode]) -> String {
     let statistics = |value: fn(&Episode) -> f64| {
         let values = episodes.iter().map(value);

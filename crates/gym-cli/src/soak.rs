@@ -18,11 +18,11 @@ pub(crate) struct Arguments {
     seed: u64,
 }
 
-/// The allowed growth of memory after the first tenth of an environment's steps, which fill its
-/// buffers.
+/// The allowed growth of memory after the first tenth of an environment's steps. (In these first
+/// steps, buffers grow.)
 const MAX_GROWTH: u64 = 2 << 20; // bytes
 
-/// Steps through every environment for a long time. Memory that grows is an error.
+/// Steps every environment for a long time. Growing memory is an error.
 pub(crate) fn soak(arguments: &Arguments, workspace: &Workspace) -> Result<()> {
     let registrations = workspace.select(&arguments.ids)?;
     let each = arguments.steps.div_ceil(registrations.len().max(1) as u64);
@@ -48,7 +48,7 @@ pub(crate) fn soak(arguments: &Arguments, workspace: &Workspace) -> Result<()> {
     Ok(())
 }
 
-/// The number of episodes, and the growth of memory in bytes.
+/// Steps one environment. Returns the number of episodes, and the growth of memory in bytes.
 fn soak_one(registration: &Registration, steps: u64, seed: u64) -> Result<(u64, u64)> {
     let mut env = gym::make(registration.id())?;
     let mut actions = env.action_space().sampler(seed);
@@ -68,11 +68,11 @@ fn soak_one(registration: &Registration, steps: u64, seed: u64) -> Result<(u64, 
     Ok((episodes, resident_memory().saturating_sub(settled)))
 }
 
-/// The bytes of memory in use, from Linux's `/proc`; 0 on other systems.
+/// Returns the bytes of memory in use, from Linux's `/proc`; 0 on other systems.
 fn resident_memory() -> u64 {
     const PAGE: u64 = 4096; // bytes
     let statm = std::fs::read_to_string("/proc/self/statm").unwrap_or_default();
-    // the size in pages, then the resident pages
+    // `statm` has the size in pages, then the resident pages
     let pages = statm
         .split_whitespace()
         .nth(1)

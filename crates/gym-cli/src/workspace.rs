@@ -16,7 +16,7 @@ pub(crate) struct Workspace {
 }
 
 impl Workspace {
-    /// The workspace of the package in a folder.
+    /// Returns the workspace of the package in the folder `package`.
     pub(crate) fn of(package: &Path) -> Self {
         // Cargo writes the lock file to the folder of the workspace
         let mut folders = package.ancestors();
@@ -31,12 +31,12 @@ impl Workspace {
         &self.folder
     }
 
-    /// The manifest of the program's package.
+    /// Returns the path of the manifest of the program's package.
     pub(crate) fn manifest(&self) -> PathBuf {
         self.package.join("Cargo.toml")
     }
 
-    /// The environments that this workspace registers.
+    /// Returns the environments that this workspace registers.
     ///
     /// # Errors
     /// If it registers none.
@@ -54,8 +54,9 @@ impl Workspace {
         Ok(own)
     }
 
-    /// The environments of these ids. Without ids, those that this workspace registers, or all that
-    /// are linked if it registers none; except those with external requirements, which it reports.
+    /// Returns the environments with the ids `ids`. Without ids, returns the environments that this
+    /// workspace registers or, if it registers none, all linked environments. Environments with
+    /// external requirements are then skipped and reported.
     ///
     /// # Errors
     /// An id that is not registered; without ids, if nothing is registered.
@@ -72,7 +73,7 @@ impl Workspace {
     }
 }
 
-/// Whether an environment is of this workspace.
+/// Whether a crate of this workspace registers an environment.
 fn is_own(registration: &Registration) -> bool {
     is_in_workspace(registration.source.file)
 }
@@ -81,7 +82,7 @@ fn is_own(registration: &Registration) -> bool {
 /// with relative paths for members of the workspace, and with absolute paths for other crates.
 fn is_in_workspace(file: &str) -> bool {
     let file = file.replace('\\', "/");
-    // Cargo's own folder may lie in the workspace
+    // Cargo's folder of downloaded crates may lie in the workspace
     let is_downloaded = |folder: &str| file.contains(folder);
     Path::new(&file).is_relative()
         && !["registry/src/", "git/checkouts/"]
@@ -89,7 +90,7 @@ fn is_in_workspace(file: &str) -> bool {
             .any(is_downloaded)
 }
 
-/// The environments without external requirements; reports the others.
+/// Returns the environments without external requirements. Reports the others.
 pub(crate) fn without_needy(all: Vec<Registration>) -> Vec<Registration> {
     let (mut needy, all): (Vec<_>, Vec<_>) = all
         .into_iter()
@@ -101,7 +102,8 @@ pub(crate) fn without_needy(all: Vec<Registration>) -> Vec<Registration> {
     all
 }
 
-/// Reports the environments of one crate that are left out because of external requirements.
+/// Returns a line about the environments of one crate that are skipped because of external
+/// requirements.
 fn left_out(group: &[Registration]) -> String {
     let needed = group[0].needs.map_or("", |need| need.what);
     let there = if group[0].needs.is_some_and(|need| !need.is_met()) {

@@ -29,7 +29,7 @@ pub(crate) fn none(subject: &Subject<'_>) -> Verdict {
             env.reset_into(&().into(), &mut observation)?;
         }
     }
-    // equal seeds give equal episodes: by then their buffers have grown
+    // these resets have equal seeds, so their buffers have grown already
     let mut begin = |times: u32| -> Result<i64> {
         let mut result = Ok(());
         let resets =
@@ -37,7 +37,7 @@ pub(crate) fn none(subject: &Subject<'_>) -> Verdict {
         let kept = allocation_counter::measure(resets).bytes_current;
         result.map(|()| kept)
     };
-    // a buffer that doubles its size does so at most once more in twice as many resets
+    // a buffer that doubles its size grows at most once in twice as many resets
     begin(WARM)?;
     let kept = begin(WARM + 2)?;
     if kept > 0 {

@@ -27,7 +27,8 @@ pub(crate) fn refused(subject: &Subject<'_>) -> Verdict {
     Ok(())
 }
 
-/// Checks that each bool and number among the arguments has an effect, alone or with another one.
+/// Checks that each bool and number among the arguments has an effect, alone or with another
+/// argument.
 pub(crate) fn matter(subject: &Subject<'_>) -> Verdict {
     let Some((spec, kwargs)) = subject.arguments() else {
         return skipped("it is not registered");
@@ -45,7 +46,7 @@ pub(crate) fn matter(subject: &Subject<'_>) -> Verdict {
         let set = |other: &Json| {
             let changed = (name.clone(), other.clone());
             move |around: &Variant| {
-                // a variant in which `name` itself is changed is not a surrounding
+                // skip the variants in which `name` itself is changed
                 let is_other = around.spec.kwargs.get(name).is_none_or(|now| now == value);
                 is_other.then(|| around.clone().with_arguments([changed.clone()]))
             }
@@ -60,7 +61,7 @@ pub(crate) fn matter(subject: &Subject<'_>) -> Verdict {
     Ok(())
 }
 
-/// Returns the default variant, and the default with each bool inverted.
+/// Returns the default variant, and the default variant with each bool inverted.
 pub(crate) fn surroundings(spec: &EnvSpec, kwargs: &Kwargs) -> Vec<Variant> {
     let default = Variant {
         spec: spec.clone(),
@@ -120,7 +121,7 @@ pub(crate) fn odd(subject: &Subject<'_>) -> impl Iterator<Item = Odd> {
                         json!(5e-324),
                     ]
                 }
-                // no large sizes: the environment may rightly allocate what they ask for
+                // no large sizes: the environment may rightly allocate arrays of these sizes
                 Json::Number(_) => vec![json!(0), json!(-1), json!(1)],
                 Json::Bool(value) => vec![json!(!value)],
                 Json::String(_) => vec![json!(""), json!("no such value")],

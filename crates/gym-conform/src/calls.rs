@@ -5,11 +5,11 @@ use std::fmt::{self, Write as _};
 use gym_core::canvas::{Align, Canvas, Color, Point, Segment, Shape, Transform};
 use gym_core::{BoxEnv, Env};
 
-/// The calls of a drawing.
+/// The calls that draw an environment.
 #[derive(Default)]
 pub(crate) struct Calls {
-    /// Every call with its arguments, to the last bit. To compare bytes takes a tenth of the time
-    /// of formatted text, and some drawings have thousands of calls.
+    /// Every call with its arguments, to the last bit. Some drawings have thousands of calls, and a
+    /// comparison of bytes takes a tenth of the time of a comparison of formatted text.
     pub(crate) record: Vec<u8>,
     pub(crate) count: usize,
     pub(crate) depth: usize,
@@ -24,7 +24,7 @@ impl Calls {
         calls
     }
 
-    /// The calls of a drawing as text, with every digit, for messages.
+    /// Returns the calls as text, with every digit, for messages.
     pub(crate) fn text(env: &BoxEnv) -> String {
         let mut calls = Self {
             text: Some(String::new()),
@@ -34,8 +34,8 @@ impl Calls {
         calls.text.unwrap_or_default()
     }
 
-    /// Records a call. `name` is the letter of its method, `numbers` are its numbers, `bytes` its
-    /// other arguments, and `call` is the whole call as text.
+    /// Records a call: the whole call as text (`call`), a letter for the method (`name`), the
+    /// arguments that are not numbers (`bytes`), and the numbers (`numbers`).
     fn call(&mut self, call: fmt::Arguments<'_>, name: u8, bytes: &[u8], numbers: &[f64]) {
         self.count += 1;
         if !numbers.iter().all(|x| x.is_finite()) {
@@ -48,12 +48,12 @@ impl Calls {
         }
         self.record.extend(bytes);
         for x in numbers {
-            // every NaN counts as equal, as `sound` reports it
+            // every NaN counts as equal: the check `drawing-sound` reports it
             let x = if x.is_nan() { f64::NAN } else { *x };
             self.record.extend(x.to_bits().to_le_bytes());
         }
         if let Some(text) = &mut self.text {
-            // a `String` takes every text
+            // writing to a `String` cannot fail
             let _ = writeln!(text, "{call}");
         }
     }
@@ -181,7 +181,7 @@ impl Canvas for Calls {
 mod tests {
     use super::*;
 
-    /// Each two different calls have different records, and equal ones the same.
+    /// Different calls have different records, and equal calls have equal records.
     #[test]
     fn records_tell_calls_apart() {
         let (black, grey) = (Color::rgb(0, 0, 0), Color::rgb(0, 0, 1));

@@ -8,23 +8,23 @@ use crate::{
     observations, options, panics, pictures, registered, seeding, shown, spaces, threads, vectors,
 };
 
-/// One rule.
+/// A rule, and the function that checks it.
 #[derive(Debug)]
 pub struct Check {
-    /// A short name.
+    /// The name of the check.
     pub name: &'static str,
-    /// The severity of breaking it.
+    /// The severity of a broken rule.
     pub severity: Severity,
     /// The reason for the rule.
     pub why: &'static str,
     /// The remedy for an environment that breaks it.
     pub mend: &'static str,
-    /// The checks without which this one means nothing.
+    /// The checks that must pass before this check runs.
     pub(crate) needs: &'static [&'static str],
     pub(crate) run: fn(&Subject<'_>) -> Verdict,
 }
 
-/// A [`Check`] of severity `Error`.
+/// Makes a [`Check`] of severity `Error`.
 const fn error(
     name: &'static str,
     run: fn(&Subject<'_>) -> Verdict,
@@ -42,7 +42,7 @@ const fn error(
     }
 }
 
-/// A [`Check`] of severity `Warning`.
+/// Makes a [`Check`] of severity `Warning`.
 const fn warning(
     name: &'static str,
     run: fn(&Subject<'_>) -> Verdict,
@@ -499,7 +499,7 @@ pub const CHECKS: &[Check] = &[
     ),
 ];
 
-/// It is here because it checks the list itself.
+/// Checks that each exception of a registration names a check of [`CHECKS`] or an argument.
 fn exceptions_known(subject: &Subject<'_>) -> Verdict {
     let Some(registration) = &subject.registration else {
         return skipped("it is not registered");

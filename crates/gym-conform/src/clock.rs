@@ -7,8 +7,8 @@ use crate::subject::{SEEDS, STEPS, Shown, Subject, carry_on, roll_out, same};
 use crate::verdict::Verdict;
 use gym_core::{BoxEnv, Result};
 
-/// An environment in the middle of an episode, and the rest of the episode, played at once in
-/// another.
+/// An environment in the middle of an episode, and the rest of this episode, played without a pause
+/// in another environment.
 pub(crate) struct Paused {
     env: BoxEnv,
     rest: Vec<Shown>,
@@ -32,7 +32,7 @@ pub(crate) fn unread(subject: &Subject<'_>) -> Verdict {
     const PAUSE: Duration = Duration::from_millis(1050);
     subject.repeatable()?;
     let Paused { env, rest, since } = subject.paused()?;
-    // the other checks have taken most of this time
+    // (the other checks have taken most of this time)
     thread::sleep(PAUSE.saturating_sub(since.elapsed()));
     let later = carry_on(&mut env.clone(), SEEDS[0], STEPS)?;
     same(rest, &later, "an episode that goes on after a pause")?;

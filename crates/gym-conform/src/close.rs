@@ -5,11 +5,11 @@ use crate::verdict::{Verdict, broken};
 use gym_core::{Env, Result};
 
 /// Checks that one or two calls of `close` do not change other environments. If an environment can
-/// be reset after `close`, its episode equals that of a new environment.
+/// be reset after `close`, its episode must equal a new environment's episode.
 pub(crate) fn harmless(subject: &Subject<'_>) -> Verdict {
     let seed = SEEDS[0];
     let mut beside = subject.midway(seed)?;
-    // played before any environment was closed
+    // play this episode before an environment is closed
     let first = subject.first_run()?;
     let played = roll_out(&mut subject.make()?, seed, STEPS)?;
     let closed = |times: u32| -> Result<Vec<Shown>> {
@@ -45,7 +45,7 @@ pub(crate) fn harmless(subject: &Subject<'_>) -> Verdict {
         // a closed environment may refuse all calls
         (Err(_), _) => (),
     }
-    // an environment that is closed before its first reset
+    // close an environment before its first reset
     subject.make()?.close();
     let what = "a new environment after others were closed";
     let again = roll_out(&mut subject.make()?, seed, STEPS)?;

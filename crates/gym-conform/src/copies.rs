@@ -11,10 +11,10 @@ use gym_core::{BoxEnv, Env, EnvExt, Error, Result, Snapshot, Value};
 pub(crate) fn clone_apart(subject: &Subject<'_>) -> Verdict {
     for seed in SEEDS {
         let (mut env, mut other) = (subject.midway(seed)?, subject.midway(seed)?);
-        // if they differ from the start, the check state-shown reports it
+        // if `other` and `env` differ from the start, the check state-shown reports it
         let is_alike = same_face(&other, &env, "").is_ok();
         let (mut clone, mut idle) = (env.clone(), env.clone());
-        // `env` must not depend on what happens to `clone`
+        // calls on `clone` must not change `env`
         let _ = carry_on(&mut clone, seed + 1, 20);
         let what = "an environment whose clone was used";
         let same_face = |env: &BoxEnv| match is_alike {
@@ -51,7 +51,7 @@ pub(crate) fn clone_apart(subject: &Subject<'_>) -> Verdict {
     )
 }
 
-/// Compares what two environments show without a step.
+/// Compares everything that two environments return without a reset or step.
 fn same_face(a: &BoxEnv, b: &BoxEnv, what: &str) -> Verdict {
     let face = |env: &BoxEnv| {
         let spaces = [env.observation_space(), env.action_space()];
@@ -128,10 +128,11 @@ fn after_close(subject: &Subject<'_>) -> Verdict {
     Ok(())
 }
 
-/// Checks that an environment that is restored from its own snapshot again and again continues.
+/// Checks that an environment continues unchanged if it is restored from its own snapshot again and
+/// again.
 fn again_and_again(subject: &Subject<'_>) -> Verdict {
     const AFTER: usize = 20;
-    // large states take long to store
+    // storing a large state takes long
     let times = if subject.few()? < 20 { 2 } else { 10 };
     let seed = SEEDS[0];
     let mut env = subject.midway(seed)?;
@@ -145,12 +146,12 @@ fn again_and_again(subject: &Subject<'_>) -> Verdict {
     same(&untouched, &rest, &what)
 }
 
-/// Checks, in each state of some episodes, that a snapshot can be taken and that the next events
-/// are equal after it is restored. Faults in rare states show only here.
+/// Checks, in each state of some episodes, that a snapshot can be taken, and that the events after
+/// `restore` are equal. Only this check finds faults in rare states.
 fn in_every_state(subject: &Subject<'_>) -> Verdict {
     /// The number of events that are compared after each state.
     const AFTER: usize = 4;
-    // large states take long to store
+    // storing a large state takes long
     let (events, every) = if subject.few()? < 20 {
         (60, 6)
     } else {
@@ -181,7 +182,7 @@ fn in_every_state(subject: &Subject<'_>) -> Verdict {
     }
     let mut other = subject.midway(7)?;
     for (i, (event, snapshot)) in states.into_iter().enumerate() {
-        // `other` is mostly within an episode when it is restored; the reset keeps its age small
+        // `restore` mostly happens within an episode of `other`; this reset keeps the episode short
         if i % 16 == 0 {
             other.reset(7)?;
         }
@@ -215,7 +216,7 @@ fn go_on(env: &mut BoxEnv, action: Option<&Value>) -> Result<Shown> {
     }
 }
 
-/// Restores `into` from the snapshot of `env`, which is written as text and read again.
+/// Writes the snapshot of `env` as text, reads the text, and restores `into` from the result.
 fn restored(env: &BoxEnv, mut into: BoxEnv) -> Result<BoxEnv> {
     let stored = |error: serde_json::Error| Error::Snapshot(error.to_string());
     let text = serde_json::to_string(&env.snapshot()?).map_err(stored)?;
@@ -235,7 +236,8 @@ fn ended(subject: &Subject<'_>) -> Result<BoxEnv> {
     Ok(env)
 }
 
-/// Checks that a used environment equals a new one once it is restored from a new one's snapshot.
+/// Checks that a used environment equals a new environment after it is restored from a new
+/// environment's snapshot.
 fn unused(subject: &Subject<'_>) -> Verdict {
     let (mut new, mut used) = (subject.make()?, subject.midway(0)?);
     let Ok(snapshot) = new.snapshot() else {
@@ -265,7 +267,7 @@ fn with_odd_arguments(subject: &Subject<'_>) -> Verdict {
             carry_on(&mut env, 0, 20)?;
             Ok(env)
         };
-        // the environment may refuse the argument, or steps with it
+        // (the environment may refuse the argument, or fail in a step)
         let Ok(env) = played() else { continue };
         if let Err(error) = restored(&env, env.clone()) {
             return broken(format!(
@@ -284,7 +286,7 @@ fn continues(subject: &Subject<'_>, copies: &[Copying<'_>]) -> Verdict {
     let long = subject.long()?;
     let [early, other, late] = SEEDS;
     let first = copies.first().map_or("a copy", |(what, _)| what);
-    // two copies are taken early, of which one is played for long, and one is taken late
+    // two early copies, of which one is played for long, and one late copy
     for (seed, before, after) in [
         (early, MIDWAY, long),
         (other, MIDWAY, STEPS),
@@ -307,7 +309,7 @@ fn continues(subject: &Subject<'_>, copies: &[Copying<'_>]) -> Verdict {
     Ok(())
 }
 
-/// Checks that a copy taken at the end of an episode begins the next episode like the original.
+/// Checks that a copy taken at the end of an episode has the same next episode as the original.
 fn continues_after_the_end(
     subject: &Subject<'_>,
     what: &str,
@@ -327,7 +329,8 @@ fn continues_after_the_end(
     same(&left, &copied, what)
 }
 
-/// Checks that `restore` refuses content that no environment writes, and changes nothing then.
+/// Checks that `restore` refuses content that no environment writes, and that a refused `restore`
+/// changes nothing.
 pub(crate) fn snapshot_refused(subject: &Subject<'_>) -> Verdict {
     let seed = SEEDS[0];
     let state = |snapshot: &Snapshot| snapshot.get::<Json>();
@@ -359,8 +362,8 @@ pub(crate) fn snapshot_refused(subject: &Subject<'_>) -> Verdict {
     )
 }
 
-/// Checks that `restore` refuses a snapshot of an environment with another argument, or continues
-/// as that environment does.
+/// Checks a snapshot of an environment with another argument: `restore` must refuse the snapshot,
+/// or the environment must continue like the snapshot's environment.
 fn of_other_arguments(subject: &Subject<'_>) -> Verdict {
     const AFTER: usize = 20;
     let Some((spec, kwargs)) = subject.arguments() else {
@@ -377,7 +380,7 @@ fn of_other_arguments(subject: &Subject<'_>) -> Verdict {
                 roll_out(&mut env, seed, 5)?;
                 Ok(env)
             };
-            // the environment may refuse the argument, or have no snapshots
+            // (the environment may refuse the argument, or have no snapshots)
             let Ok(mut env) = midway() else { continue };
             let Ok(snapshot) = env.snapshot() else {
                 continue;
@@ -388,7 +391,7 @@ fn of_other_arguments(subject: &Subject<'_>) -> Verdict {
             let mut actions = own.action_sampler(seed)?;
             for _ in 0..AFTER {
                 let action = actions.sample();
-                // an action may be valid with one of the arguments only
+                // (an action may be valid with only one of the two arguments)
                 let (Ok(a), Ok(b)) = (env.step(&action), own.step(&action)) else {
                     break;
                 };

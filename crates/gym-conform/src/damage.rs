@@ -1,4 +1,4 @@
-//! Damaged snapshots: one part is replaced.
+//! Damaged snapshots: snapshots in which one part is replaced.
 
 use std::collections::BTreeMap;
 
@@ -14,7 +14,7 @@ pub(crate) struct Damage {
 }
 
 impl Damage {
-    /// Calls `f` with the damaged snapshot, and restores the part.
+    /// Calls `f` with the damaged `snapshot`, then puts the original part back.
     pub(crate) fn done_to<R>(&self, snapshot: &mut Json, f: impl FnOnce(&Json) -> R) -> R {
         let mut other = self.other.clone();
         let mut swap = |snapshot: &mut Json| {
@@ -50,9 +50,9 @@ impl Damage {
     }
 }
 
-/// Every kind of damage to every field and container, and a few kinds to the first and the last
-/// element of a long array. A large snapshot, which takes long to read, gets a few kinds for each
-/// field.
+/// Returns every kind of damage to every field and container, and a few kinds of damage to the
+/// first and the last element of a long array. For a large snapshot, which takes long to read,
+/// returns only a few kinds of damage to each field.
 pub(crate) fn damages(good: &Json) -> Vec<Damage> {
     /// A snapshot with more parts counts as large.
     const MANY: usize = 200;
@@ -69,7 +69,7 @@ pub(crate) fn damages(good: &Json) -> Vec<Damage> {
             (Place::Last, false) => (3, 0),
             (Place::Last, true) => (1, 0),
         };
-        // all near replacements, and one far replacement after the other
+        // all near replacements, and as many far replacements as the budget allows, in turn
         let (close, rest) = others.split_at(near.min(others.len()));
         turn += far;
         close
@@ -102,7 +102,7 @@ pub(crate) fn moves(good: &Json) -> Vec<Damage> {
     let others = |part: &Json, _| match part {
         Json::Bool(is) => vec![json!(!is)],
         Json::Number(number) => match (number.as_i64(), number.as_f64()) {
-            // one integer may encode several, such as row, column and passenger
+            // one integer may encode several numbers, such as row, column and passenger
             (Some(int), _) => (0..10)
                 .flat_map(|power| [1 << power, -(1 << power)])
                 .map(|by| json!(int.saturating_add(by)))
@@ -117,7 +117,7 @@ pub(crate) fn moves(good: &Json) -> Vec<Damage> {
     damages_by(good, representatives(good), others)
 }
 
-/// Returns the replacements of a part: of another type, of another size, or with a near value.
+/// Returns the replacements of a part: values of another type or of another size, and near values.
 fn others(part: &Json) -> Vec<Json> {
     let mut others = match part {
         Json::Number(number) => {
@@ -175,9 +175,10 @@ enum Place {
     Last,
 }
 
-/// Returns the path of every part; of a long array only those in its first and last element.
+/// Returns the path of every part; of a long array, only the paths of parts in the first and the
+/// last element.
 fn representatives(json: &Json) -> Vec<(Path, Place)> {
-    /// The elements of longer arrays count as one kind.
+    /// The elements of arrays with more elements count as one kind.
     const TUPLE: usize = 4;
     let mut kinds: BTreeMap<String, Vec<Path>> = BTreeMap::new();
     for path in paths(json) {
@@ -237,7 +238,7 @@ fn paths(json: &Json) -> Vec<Path> {
     paths
 }
 
-/// Prints as a JSON pointer.
+/// Returns `path` as a JSON pointer.
 fn pointer(path: &[String]) -> String {
     path.iter()
         .map(|step| format!("/{}", step.replace('~', "~0").replace('/', "~1")))

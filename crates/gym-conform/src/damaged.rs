@@ -1,4 +1,5 @@
-//! What an environment does with damaged snapshots. Each snapshot is tried once, for all checks.
+//! The faults of an environment with damaged snapshots. Each snapshot is tried once, for all
+//! checks.
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
@@ -18,17 +19,18 @@ pub(crate) struct Damaged {
 }
 
 impl Damaged {
-    /// Restores `env` from each damaged version of its snapshot. If `restore` accepts one, takes at
-    /// most `steps` steps.
+    /// Restores `env` from each damaged version of its snapshot. After each version that `restore`
+    /// accepts, takes at most `steps` steps.
     pub(crate) fn try_all(env: &BoxEnv, steps: usize) -> Result<Self> {
         let space = env.observation_space();
         let whole = env.snapshot()?;
         let good = whole.get::<Json>()?;
         let mut stored = good.clone();
         let mut faults = Self::default();
-        // other checks report faults without damage
+        // other checks report faults that need no damage
         let steps = sound_steps(env.clone(), &space, steps)?;
-        // whether a refusal changes the state depends on the place, not on the replacement
+        // look at the state once for each place: the replacement does not decide whether a refused
+        // `restore` changes the state
         let mut looked_at = String::new();
         for damage in damages(&good) {
             let snapshot = damage.done_to(&mut stored, Snapshot::of)?;
@@ -131,7 +133,7 @@ fn sound_steps(mut env: BoxEnv, space: &Space, limit: usize) -> Result<usize> {
     Ok(limit)
 }
 
-/// Describes what is wrong with a step from an invalid state.
+/// Describes the fault of a step from an invalid state; `None` if the step has no fault.
 fn fault(step: &Step<Value>, space: &Space) -> Option<String> {
     match space.check(&step.observation) {
         Err(error) => Some(error.to_string()),

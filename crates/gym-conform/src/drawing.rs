@@ -7,7 +7,7 @@ use gym_core::render::{RenderMode, Rendered, painter};
 use gym_core::wrappers::Render;
 use gym_core::{BoxEnv, Env, EnvExt};
 
-/// The largest width and height of a frame of [`Render`].
+/// The largest width and height of a frame that [`Render`] accepts.
 const MAX_SIDE: u32 = 16384;
 
 pub(crate) fn metadata_complete(subject: &Subject<'_>) -> Verdict {
@@ -60,7 +60,7 @@ pub(crate) fn metadata_complete(subject: &Subject<'_>) -> Verdict {
 }
 
 pub(crate) fn frame_rate(subject: &Subject<'_>) -> Verdict {
-    /// The highest frame rate of screens.
+    /// The highest frame rate of common screens.
     const MAX: u32 = 240;
     match subject.make()?.metadata().render_fps {
         fps if fps > MAX => broken(format!("`render_fps` is {fps}")),

@@ -30,7 +30,7 @@ pub(crate) fn time_limit(subject: &Subject<'_>) -> Verdict {
             actions.sample()
         })?;
     }
-    // in some environments episodes are long only if one action is held
+    // in some environments only a repeated action makes episodes long
     for action in corners(&gym_core::Env::action_space(&limited.env)) {
         let place = format!("{action} held");
         limited.episode(Some(SEEDS[0]), &place, || action.clone())?;
@@ -38,13 +38,13 @@ pub(crate) fn time_limit(subject: &Subject<'_>) -> Verdict {
     limited.always_early()
 }
 
-/// An environment whose episodes are played to their end, and their lengths.
+/// An environment, and the lengths of its episodes.
 struct Limited {
     env: BoxEnv,
     limit: Option<u32>,
-    /// Whether it has no additional wrapper. A wrapper may truncate episodes.
+    /// Whether the environment has no additional wrapper. A wrapper may truncate episodes.
     is_bare: bool,
-    /// The number of steps that may still be taken.
+    /// The number of remaining steps of the check.
     budget: u32,
     /// The lengths of episodes that were truncated before their limit.
     early: Vec<u32>,
@@ -54,7 +54,7 @@ struct Limited {
 
 impl Limited {
     fn new(subject: &Subject<'_>) -> Result<Self> {
-        /// Longer episodes are not played to their end.
+        /// The check abandons episodes with more steps.
         const MAX_STEPS: u32 = 2000;
         let env = subject.make()?;
         let spec = subject.spec.as_ref();
@@ -73,7 +73,7 @@ impl Limited {
         })
     }
 
-    /// Plays an episode, at most `budget` steps.
+    /// Plays an episode, with at most `budget` steps.
     fn episode(
         &mut self,
         seed: Option<u64>,
@@ -121,7 +121,7 @@ impl Limited {
         Ok(())
     }
 
-    /// Compares the counts of the `TimeLimit` before and after a step.
+    /// Compares the counts of the `TimeLimit` before and after a step that returned `truncated`.
     fn counted(
         &self,
         before: StepCount,
@@ -145,10 +145,10 @@ impl Limited {
         Ok(())
     }
 
-    /// Reports a limit that is unknown: if several episodes with other actions are truncated after
-    /// the same number of steps, the wrapper that truncates them counts steps.
+    /// Reports an undeclared time limit: several episodes with different actions that are truncated
+    /// after the same number of steps.
     fn always_early(&self) -> Verdict {
-        /// Fewer episodes may have equal lengths by chance.
+        /// With fewer episodes, equal lengths may be chance.
         const MANY: usize = 4;
         match self.early[..] {
             [first, ref others @ ..]

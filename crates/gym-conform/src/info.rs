@@ -24,8 +24,8 @@ pub(crate) fn consistent(subject: &Subject<'_>) -> Verdict {
     })
 }
 
-/// Checks that each entry has one type and is present after every step, as vectors collect entries
-/// in columns.
+/// Checks that each entry has one type and is present after every step, because vectors collect
+/// entries in columns.
 pub(crate) fn constant(subject: &Subject<'_>) -> Verdict {
     let mut forms: BTreeMap<String, String> = BTreeMap::new();
     let mut keys: [Option<BTreeSet<String>>; 2] = [None, None];
@@ -56,13 +56,13 @@ pub(crate) fn constant(subject: &Subject<'_>) -> Verdict {
         Ok(())
     };
     each_event(subject, &mut check)?;
-    // some entries appear only in a long run
+    // some faults appear only in a long run
     let late = subject.first_run()?.iter().enumerate();
     late.into_iter()
         .try_for_each(|(i, shown)| check(shown, &format!("a long run, event {i}")))
 }
 
-/// Checks that no entry is NaN, as the mean of a logger would be NaN, too.
+/// Checks that no entry is NaN, because a logger's mean would then be NaN too.
 pub(crate) fn no_nan(subject: &Subject<'_>) -> Verdict {
     let check = |shown: &Shown, place: &str| {
         let (Shown::Reset(_, info) | Shown::Step(_, info)) = shown;

@@ -3,7 +3,7 @@
 use gym_core::spaces::BoxSpace;
 use gym_core::{Array, DType, Data, Space, Value};
 
-/// Returns the first and last elements of a space of numbers; of a box also two mixed corners.
+/// Returns the first and last elements of a space of numbers; for a box, also two mixed corners.
 pub(crate) fn corners(space: &Space) -> Vec<Value> {
     const FIRST: i64 = 8;
     match space {
@@ -54,8 +54,8 @@ pub(crate) fn corners(space: &Space) -> Vec<Value> {
     }
 }
 
-/// Returns the first corner of each space, and the last corner of each; none if a space has no
-/// corners.
+/// Returns the first corners of all spaces, and the last corners of all spaces; `None` if a space
+/// has no corners.
 fn ends<'a>(spaces: impl Iterator<Item = &'a Space>) -> Option<[Vec<Value>; 2]> {
     let (mut first, mut last) = (Vec::new(), Vec::new());
     for space in spaces {
@@ -112,8 +112,8 @@ pub(crate) fn uniform(space: &Space, x: f64) -> Option<Value> {
     Array::new(space.shape(), data).ok().map(Value::Array)
 }
 
-/// Returns invalid actions: of another type or shape, out of the range of a discrete space, or not
-/// finite.
+/// Returns invalid actions: actions of another type or shape, out of the range of a discrete space,
+/// or with a number that is not finite.
 pub(crate) fn invalid(space: &Space, valid: &Value) -> Vec<Value> {
     let mut actions = vec![
         Value::Null,
@@ -128,7 +128,7 @@ pub(crate) fn invalid(space: &Space, valid: &Value) -> Vec<Value> {
         Value::Dict(vec![("a".into(), Value::Int(0))]),
         Value::OneOf(usize::MAX, Box::new(Value::Null)),
     ];
-    // an environment may convert these for a box
+    // for a box, an environment may convert this action
     if !matches!(space, Space::Box(_)) {
         actions.push(Value::Array([0.5f64, 0.5].into()));
     }
@@ -156,8 +156,8 @@ pub(crate) fn invalid(space: &Space, valid: &Value) -> Vec<Value> {
     actions
 }
 
-/// Returns copies of a tuple or dict in which one part is invalid or missing, and one with a part
-/// more.
+/// Returns copies of a tuple or dict in which one part is invalid or missing, and a copy with an
+/// additional part.
 fn wrong_parts(space: &Space, valid: &Value) -> Vec<Value> {
     let mut wrong = Vec::new();
     match (space, valid) {
@@ -199,7 +199,7 @@ fn wrong_parts(space: &Space, valid: &Value) -> Vec<Value> {
 
 /// Returns copies of `valid` in which one element is invalid.
 fn wrong_elements(space: &Space, valid: &Array) -> Vec<Value> {
-    /// The number of elements that are tried; an image has thousands.
+    /// The largest number of elements that are changed, because an image has thousands.
     const MAX: usize = 16;
     let (dtype, shape) = (valid.dtype(), valid.shape());
     let elements = 0..valid.len().min(MAX);

@@ -9,7 +9,7 @@
 //! gym_conform::suite!(my_envs);
 //! ```
 //!
-//! One environment, registered or not, is checked by a function:
+//! The function [`check`] checks one environment, registered or not:
 //!
 //! ```
 //! # use gym_core::make;
@@ -19,7 +19,7 @@
 //!
 //! This crate replaces the program's allocator by one that counts, so make it a dev-dependency.
 //!
-//! Some faults no check sees. Test them yourself:
+//! The checks do not find some faults. Test them yourself:
 //!
 //! - a fault in states that neither random nor held actions reach within some 1,500 steps, such as
 //!   a refused action, a wrong snapshot, or an entry of `info` that is missing there;
@@ -44,15 +44,15 @@
 //! - the result of a step after the end of an episode, which is unspecified, as in Gymnasium, and
 //!   of a step after `close`, which the wrappers of `make` refuse.
 //!
-//! Where an environment says that it is nondeterministic, episodes are not compared, nor its
-//! copies.
+//! If an environment is registered as nondeterministic, neither its episodes nor its copies are
+//! compared.
 //!
 //! Each [`Finding`] names the fault, its place, its consequence and the remedy. An environment that
-//! must break a rule says so, with the reason, in
+//! must break a rule names the rule and the reason in
 //! [`Registration::exceptions`](gym_core::Registration::exceptions).
 //!
 //! Each rule is one small function. A check names the checks that it depends on, so that one fault
-//! gives one finding; a panic is the finding of one check. Checks run without the wrappers of
+//! gives one finding; one check, `no-panic`, reports all panics. Checks run without the wrappers of
 //! `make`, which would hide faults.
 
 mod actions;

@@ -1,4 +1,4 @@
-//! Long runs: late states, one action held, and unusual actions.
+//! Long runs: late states, repeated actions, and unusual actions.
 
 use crate::calls::Calls;
 use crate::inputs::{corners, huge};
@@ -17,7 +17,7 @@ pub(crate) struct LongRuns {
 }
 
 impl LongRuns {
-    /// Plays `env`. Without a time limit more states are reached.
+    /// Plays `env`, which should have no time limit, so that it reaches more states.
     pub(crate) fn play(mut env: BoxEnv) -> Result<Self> {
         const RANDOM: usize = 1500;
         const HELD: usize = 200;
@@ -82,7 +82,7 @@ impl LongRuns {
                     .get_or_insert_with(|| format!("{what}, step {i}: the reward is {reward}"));
             }
             if terminated || truncated {
-                // wrappers and recorders look at the last state, too
+                // wrappers and recorders read the last state of an episode too
                 look(env);
                 if let Some(fault) = Calls::of(env).fault {
                     self.drawing

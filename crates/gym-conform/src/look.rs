@@ -9,7 +9,7 @@ pub(crate) fn look(env: &BoxEnv) {
     let _ = env.snapshot();
 }
 
-/// Makes these calls without `snapshot`, which takes long in a large world.
+/// Makes the same calls except `snapshot`, which takes long in a large world.
 pub(crate) fn glance(env: &BoxEnv) {
     let _ = (
         env.observation_space(),

@@ -6,7 +6,7 @@ use crate::look::look;
 use crate::subject::{SEEDS, Shown, Subject, same};
 use crate::verdict::Verdict;
 
-/// Checks that these calls do not change an episode.
+/// Checks that the calls in [`look`] do not change an episode.
 pub(crate) fn pure(subject: &Subject<'_>) -> Verdict {
     for seed in SEEDS {
         let (mut env, mut unseen) = (subject.reset(seed)?, subject.reset(seed)?);
@@ -15,7 +15,7 @@ pub(crate) fn pure(subject: &Subject<'_>) -> Verdict {
             let mut shown = Vec::new();
             for step in 0..20 {
                 if looks {
-                    // `look` is called once, as snapshots and drawings may take long
+                    // call `look` once: snapshots and drawings may take long
                     look(env);
                     (0..3).for_each(|_| drop((env.action_space(), env.metadata(), env.info_map())));
                     let _ = env.generator().is_some();

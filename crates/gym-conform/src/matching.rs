@@ -58,7 +58,7 @@ impl Default for Matching {
     }
 }
 
-/// Plays both environments side by side, typed or erased, with the same seed and actions.
+/// Plays both environments with the same seed and actions, and compares their results.
 ///
 /// ```
 /// use gym_conform::{Matching, environments_match};
@@ -153,7 +153,7 @@ fn reset<A: Env, B: Env>(a: &mut A, b: &mut B, matching: &Matching) -> Result<()
     compare_rest(a, b, matching, "reset")
 }
 
-/// `info` and pictures.
+/// Compares `info` and frames.
 fn compare_rest<A: Env, B: Env>(
     a: &mut A,
     b: &mut B,

@@ -107,7 +107,7 @@ pub(crate) fn whole(subject: &Subject<'_>) -> Verdict {
 /// A number that few observations contain.
 const OTHER: f64 = 77.0;
 
-/// Replaces all numbers by `number`. Arrays of integers get 0 for NaN.
+/// Replaces all numbers by `number`. In arrays of integers, NaN becomes 0.
 fn filled(value: Value, number: f64) -> Value {
     match value {
         Value::Int(_) => Value::Int(number as i64),
@@ -130,7 +130,7 @@ fn filled(value: Value, number: f64) -> Value {
     }
 }
 
-/// Returns a buffer of another form, as if it had been used for another space.
+/// Returns a buffer of another shape or type, like a buffer that was used for another space.
 fn misfit(value: Value) -> Value {
     match value {
         Value::Array(array) if array.len() % 2 == 1 => Value::Text("old".into()),

@@ -8,12 +8,12 @@ use crate::variation::{Effect, Search, Variant};
 use crate::verdict::{Verdict, broken, skipped};
 use gym_core::{BoxEnv, Env, EnvExt, Generator, Reset, Result};
 
-/// The number of resets without a seed of which an option must change at least one.
+/// The number of resets without a seed: an option must change at least one of them.
 const UNSEEDED: usize = 20;
-/// The number of episodes after one with an option.
+/// The number of episodes after an episode with an option.
 const EPISODES: u64 = 5;
 
-/// Returns the options with their examples.
+/// Returns the reset options of the registration, each with an example.
 pub(crate) fn examples(subject: &Subject<'_>) -> Verdict<Vec<(&'static str, Json)>> {
     let named = subject
         .registration
@@ -32,8 +32,9 @@ pub(crate) fn examples(subject: &Subject<'_>) -> Verdict<Vec<(&'static str, Json
     named.iter().map(read).collect()
 }
 
-/// Checks an unknown option: an environment that names options refuses it, any other ignores it.
-/// Without a registration both are right.
+/// Checks an unknown option: an environment whose registration names options must refuse it; an
+/// environment whose registration names none must ignore it. Without a registration, both are
+/// right.
 pub(crate) fn unknown(subject: &Subject<'_>) -> Verdict {
     let plain = subject.make()?.reset(3)?;
     let knows_options = subject
@@ -117,7 +118,7 @@ pub(crate) fn matter(subject: &Subject<'_>) -> Verdict {
         };
         let example_is_plain = is_plain(&example)?;
         counts_again(subject, name, &example, example_is_plain)?;
-        // if the option has an effect only with an argument, these episodes do not show it
+        // if the option has an effect only with an argument, these episodes do not show the effect
         if example.is_number() && !example_is_plain {
             for beyond in [json!(1e300), json!(-1e300)] {
                 if is_plain(&beyond).unwrap_or(false) {
@@ -131,12 +132,12 @@ pub(crate) fn matter(subject: &Subject<'_>) -> Verdict {
     Ok(())
 }
 
-/// Plays an episode of a new environment that starts with or without an option.
+/// Plays an episode of a new environment. The reset has the option `option`, if any.
 fn with_option(subject: &Subject<'_>, option: Option<(&str, &Json)>) -> Result<Vec<Shown>> {
     started(&mut subject.make()?, Reset::seed(SEEDS[0]), option)
 }
 
-/// Plays an episode that starts with or without an option.
+/// Plays an episode of `env`. The reset is `plain` with the option `option`, if any.
 fn started(env: &mut BoxEnv, plain: Reset, option: Option<(&str, &Json)>) -> Result<Vec<Shown>> {
     let observation = env.reset(match option {
         Some((name, value)) => plain.option(name, value.clone()),
@@ -147,7 +148,8 @@ fn started(env: &mut BoxEnv, plain: Reset, option: Option<(&str, &Json)>) -> Res
     Ok(shown)
 }
 
-/// Checks that an option has the same effect in a used environment, and an effect without a seed.
+/// Checks that an option has the same effect in a used environment, and that it has an effect
+/// without a seed.
 fn counts_again(subject: &Subject<'_>, name: &str, example: &Json, is_plain: bool) -> Verdict {
     let option = Some((name, example));
     let new = with_option(subject, option)?;
@@ -170,7 +172,7 @@ fn counts_again(subject: &Subject<'_>, name: &str, example: &Json, is_plain: boo
     }
     begins_anew(subject, name, example)?;
     let (mut with, mut without) = (subject.midway(SEEDS[0])?, subject.midway(SEEDS[0])?);
-    // some episodes begin by chance as the option asks
+    // some episodes begin by chance as with the option
     for _ in 0..UNSEEDED {
         if started(&mut with, Reset::default(), option)?
             != started(&mut without, Reset::default(), None)?
@@ -205,7 +207,7 @@ fn begins_anew(subject: &Subject<'_>, name: &str, example: &Json) -> Verdict {
     Ok(())
 }
 
-/// Checks that an option holds for one episode only.
+/// Checks that an option affects only one episode.
 pub(crate) fn forgotten(subject: &Subject<'_>) -> Verdict {
     let Ok(examples) = examples(subject) else {
         return Ok(());
@@ -222,7 +224,7 @@ pub(crate) fn forgotten(subject: &Subject<'_>) -> Verdict {
         let after = started(&mut env, Reset::seed(SEEDS[0]), None)?;
         let what = format!("an environment that was reset with {name}={example} before");
         same(&with_option(subject, None)?, &after, &what)?;
-        // a time limit ends episodes without the environment's knowledge
+        // no time limit: it would end episodes before the environment does
         let mut env = subject.unlimited()?;
         env.reset(Reset::seed(SEEDS[1]).option(name, example.clone()))?;
         if finish_episode(&mut env, subject.long()?)? {
@@ -234,7 +236,7 @@ pub(crate) fn forgotten(subject: &Subject<'_>) -> Verdict {
         forgotten_with_the_seed(subject, name, &example)?;
         forgotten_without_a_seed(subject, name, &example)?;
     }
-    // an option must not be kept outside of the environment either
+    // the option must not be stored outside of the environment, such as in a static variable
     let first = subject.first_run()?;
     let again = roll_out(&mut subject.make()?, SEEDS[0], STEPS)?;
     same(
@@ -270,8 +272,8 @@ fn finish_episode(env: &mut BoxEnv, steps: usize) -> Result<bool> {
     Ok(false)
 }
 
-/// Checks that episodes without a seed do not depend on an earlier option. Both environments get
-/// the same generator before each of these episodes.
+/// Checks that episodes without a seed do not depend on an earlier option. Before each of these
+/// episodes, both environments get the same generator.
 fn forgotten_without_a_seed(subject: &Subject<'_>, name: &str, example: &Json) -> Verdict {
     let after = |first: Reset| -> Result<Option<Vec<Shown>>> {
         let mut env = subject.make()?;
@@ -290,7 +292,7 @@ fn forgotten_without_a_seed(subject: &Subject<'_>, name: &str, example: &Json) -
     let (Some(plain), Some(other)) = (after(seeded(0))?, after(seeded(1))?) else {
         return Ok(());
     };
-    // if more than the generator decides, episodes cannot be compared
+    // if episodes depend on more than the generator, they cannot be compared
     if same(&plain, &other, "").is_err() {
         return Ok(());
     }
@@ -301,7 +303,7 @@ fn forgotten_without_a_seed(subject: &Subject<'_>, name: &str, example: &Json) -
     same(&plain, &with, &what)
 }
 
-/// Resets `env` with invalid values of its options. Returns whether it refused all of them.
+/// Resets `env` with an invalid value for each option. Returns whether `env` refused all of them.
 pub(crate) fn refused(env: &mut BoxEnv, subject: &Subject<'_>) -> bool {
     let nothing_like_it = json!({"no": ["such", "value"]});
     examples(subject)

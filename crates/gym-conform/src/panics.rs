@@ -67,7 +67,7 @@ pub(crate) fn none(subject: &Subject<'_>) -> Verdict {
             carry_on(&mut env, 0, 5).map(drop)
         })?;
     }
-    // an environment without snapshots is not damaged
+    // (an environment without snapshots has no damaged snapshots)
     if let Ok(damaged) = subject.damaged() {
         damaged.panicked()?;
     }
@@ -83,7 +83,7 @@ fn attempt(what: &str, f: impl FnOnce() -> Result<()>) -> Verdict {
     }
 }
 
-/// Makes every call on an environment that is not in an episode.
+/// Makes every call on an environment outside of an episode.
 fn out_of_order(env: &mut BoxEnv) -> Result<()> {
     look(env);
     let _ = env.render();
@@ -128,7 +128,7 @@ fn odd_actions(env: &BoxEnv) -> Result<Vec<Value>> {
     Ok(actions)
 }
 
-/// Iterates over named and unnamed options with unexpected values.
+/// Iterates over options, named by the registration or not, with unexpected values.
 fn odd_options(subject: &Subject<'_>) -> impl Iterator<Item = (&'static str, Json)> {
     let values = [
         json!(null),

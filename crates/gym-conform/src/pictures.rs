@@ -1,4 +1,4 @@
-//! Checks of the content of pictures.
+//! Checks of the content of frames.
 
 use std::ops::ControlFlow;
 
@@ -41,8 +41,8 @@ pub(crate) fn follows(subject: &Subject<'_>) -> Verdict {
     }
 }
 
-/// Calls `visit` with the frame, the observation and the place of each of some steps, until it
-/// breaks.
+/// Calls `visit` after each reset and step with the frame, the observation and a description of the
+/// place. Stops when `visit` returns `Break`.
 fn each_frame(
     subject: &Subject<'_>,
     mut visit: impl FnMut(&Frame, &Value, &str) -> Verdict<ControlFlow<()>>,

@@ -15,9 +15,9 @@ use gym_core::{Error, Result};
 pub struct Report {
     /// The environment.
     pub id: String,
-    /// The rules it breaks.
+    /// The rules that the environment breaks.
     pub findings: Vec<Finding>,
-    /// The rules it breaks with a reason in its registration.
+    /// The rules that the environment breaks with a reason in its registration.
     pub excused: Vec<Excused>,
     /// The rules that were not checked.
     pub skipped: Vec<Skipped>,
@@ -69,8 +69,8 @@ pub enum Format {
     Text,
     /// A list of reports, with the fields of [`Report`].
     Json,
-    /// JUnit's XML, which services for continuous integration show: a suite for each environment, a
-    /// case for each check.
+    /// JUnit's XML, which services for continuous integration display: a test suite for each
+    /// environment, a test case for each check.
     Junit,
 }
 
@@ -193,7 +193,7 @@ fn write_junit(out: &mut String, reports: &[Report]) -> fmt::Result {
     writeln!(out, "</testsuites>")
 }
 
-/// Text in XML.
+/// A text, escaped for XML.
 struct Xml<'a>(&'a str);
 
 impl fmt::Display for Xml<'_> {
@@ -203,7 +203,7 @@ impl fmt::Display for Xml<'_> {
             '<' => f.write_str("&lt;"),
             '>' => f.write_str("&gt;"),
             '"' => f.write_str("&quot;"),
-            // XML has no other control characters
+            // XML allows no other control characters
             '\n' | '\t' => f.write_char(c),
             '\u{fffe}' | '\u{ffff}' => f.write_char('\u{fffd}'),
             c if c.is_control() => f.write_char('\u{fffd}'),

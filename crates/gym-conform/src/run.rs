@@ -15,11 +15,12 @@ use crate::report::{Excused, Report, Skipped};
 use crate::subject::Subject;
 use crate::verdict::{Trouble, message};
 
-/// Runs every check against the environments that `make` makes. No finding means that it conforms.
+/// Runs every check against the environments that `make` makes. Without a finding, the environment
+/// conforms.
 ///
 /// An environment from [`make`](gym_core::make) is checked without `OrderEnforcing` and
-/// `PassiveEnvChecker`, which would hide what the environment itself does. All others are checked
-/// as they come.
+/// `PassiveEnvChecker`, which would hide the environment's own behaviour. Any other environment is
+/// checked with all its wrappers.
 ///
 /// A check that takes long is reported on standard error, while it runs and when it ends.
 pub fn check(make: impl Fn() -> Result<BoxEnv>) -> Vec<Finding> {
@@ -44,7 +45,7 @@ pub enum Progress<'a> {
         /// The environment.
         id: &'a str,
     },
-    /// A check takes long, and is not over yet.
+    /// A check takes long and still runs.
     Runs {
         /// The environment.
         id: &'a str,
@@ -75,7 +76,7 @@ const LONG: Duration = Duration::from_secs(5);
 
 /// The report of a check that takes long.
 enum Long {
-    /// It is not over yet.
+    /// The check still runs.
     Runs(&'static str),
     Ended(Slow),
 }
@@ -101,7 +102,8 @@ pub struct Slow {
     pub check: &'static str,
     /// The duration.
     pub took: Duration,
-    /// The time to make and reset the environment, which checks do hundreds of times.
+    /// The time to make and reset the environment. Checks make and reset an environment hundreds of
+    /// times.
     pub reset: Duration,
 }
 
@@ -116,8 +118,8 @@ impl fmt::Display for Slow {
     }
 }
 
-/// Returns the spec without the wrappers that hide faults, if the environment has no wrappers but
-/// those of its spec.
+/// Returns the spec without the wrappers that hide faults, if the environment has no other wrappers
+/// than its spec.
 fn bare(make: &dyn Fn() -> Result<BoxEnv>) -> Option<EnvSpec> {
     // the first check makes an environment again, and reports a panic
     let stacks = catch_unwind(AssertUnwindSafe(|| {
@@ -129,7 +131,7 @@ fn bare(make: &dyn Fn() -> Result<BoxEnv>) -> Option<EnvSpec> {
     stacks.ok().flatten().map(|spec| bare_spec(&spec))
 }
 
-/// Calls `work`; calls `tell` if `work` takes longer than `time`.
+/// Calls `work`. Calls `tell` when `work` has run for longer than `time`.
 fn watched<R>(time: Duration, tell: impl FnOnce() + Send, work: impl FnOnce() -> R) -> R {
     let (working, ended) = mpsc::channel::<()>();
     thread::scope(|scope| {
@@ -138,7 +140,7 @@ fn watched<R>(time: Duration, tell: impl FnOnce() + Send, work: impl FnOnce() ->
                 tell();
             }
         };
-        // without a second thread the work is still done
+        // (if the thread cannot start, the work is still done)
         let _ = thread::Builder::new().spawn_scoped(scope, watch);
         let result = work();
         drop(working);
@@ -146,8 +148,8 @@ fn watched<R>(time: Duration, tell: impl FnOnce() + Send, work: impl FnOnce() ->
     })
 }
 
-/// Returns the findings, and the skipped checks with their reasons. Calls `tell` during and after
-/// each check that takes long.
+/// Runs every check. Returns the findings, and the skipped checks with the reasons. Calls `tell`
+/// during and after each check that takes long.
 fn run(subject: &Subject<'_>, tell: impl Fn(&Long) + Sync) -> (Vec<Finding>, Vec<Skipped>) {
     // a panic occurs again in a check, which reports it
     let _ = catch_unwind(AssertUnwindSafe(|| {
@@ -207,8 +209,8 @@ fn run(subject: &Subject<'_>, tell: impl Fn(&Long) + Sync) -> (Vec<Finding>, Vec
                     continue;
                 }
                 Err(Trouble::Skipped(reason)) => {
-                    // a skipped check does not block others, unless episodes of a nondeterministic
-                    // environment would be compared
+                    // a skipped check counts as passed for the checks that need it, except if these
+                    // would compare episodes of a nondeterministic environment
                     if !(REPEATABLE.contains(&check.name) && subject.is_nondeterministic()) {
                         passed.push(check.name);
                     }
@@ -227,7 +229,7 @@ fn run(subject: &Subject<'_>, tell: impl Fn(&Long) + Sync) -> (Vec<Finding>, Vec
         };
         panics.push((check, panicked));
     }
-    // Every panic breaks the rule no-panic.
+    // every panic breaks the rule no-panic
     if let (Some((check, panicked)), Some(no_panic)) = (panics.first(), CHECKS.last())
         && findings
             .iter()
@@ -238,7 +240,7 @@ fn run(subject: &Subject<'_>, tell: impl Fn(&Long) + Sync) -> (Vec<Finding>, Vec
             format!("during {}: {panicked}", check.name),
         ));
     }
-    // An error may be the consequence of a finding; without one it is reported here.
+    // an error may be the consequence of a finding; without a finding, report the error
     let is_explained = findings
         .iter()
         .any(|finding| finding.severity == Severity::Error);
@@ -264,8 +266,8 @@ pub fn reports(ids: &[String]) -> Result<Vec<Report>> {
     reports_with(ids, |_| ())
 }
 
-/// Like [`reports`], and calls `tell` with the progress, which names an environment that is slow,
-/// hangs or aborts.
+/// Like [`reports`], and calls `tell` with the progress. The progress shows which environment is
+/// slow, hangs or aborts.
 ///
 /// # Errors
 /// The errors of [`reports`].
@@ -274,11 +276,11 @@ pub fn reports_with(ids: &[String], tell: impl Fn(Progress<'_>) + Sync) -> Resul
         .iter()
         .map(|id| registry::resolve(id)?.0.spec())
         .collect::<Result<Vec<_>>>()?;
-    // two for each core: a check of the clock waits for a second
+    // two threads for each core, because the check of the clock waits for a second
     let workers = 2 * thread::available_parallelism().map_or(1, usize::from);
     let workers = workers.min(specs.len().max(1));
-    // Each thread takes the last spec that is left. Some take a hundred times as long as others,
-    // and those in a namespace, such as `rapier/CarRacing-v3`, take longest.
+    // Each thread takes the last remaining spec. Some environments take a hundred times as long as
+    // others; the slowest are last in the order of ids (`rapier/CarRacing-v3`).
     let queue = Mutex::new(specs.iter().enumerate());
     let take = || {
         queue
@@ -337,7 +339,7 @@ fn report(spec: &EnvSpec, tell: impl Fn(&Long) + Sync) -> Report {
         excused.extend(reason.map(|reason| Excused { check, reason }));
         reason.is_none()
     });
-    // exceptions for single arguments, which the check has left out
+    // exceptions for single arguments, which the check `arguments-matter` has skipped
     let exceptions = subject
         .registration
         .as_ref()
@@ -359,7 +361,7 @@ mod tests {
     #[test]
     fn work_that_takes_long_is_told_while_it_goes_on() {
         let (told, hears) = mpsc::channel();
-        // the work ends only after `tell` was called
+        // the work waits until `tell` was called
         watched(
             Duration::ZERO,
             || told.send(()).unwrap(),

@@ -7,7 +7,7 @@ use crate::subject::{SEEDS, STEPS, Shown, Subject, carry_on, info, roll_out, sam
 use crate::verdict::{Verdict, broken, skipped};
 use gym_core::{BoxEnv, Env, EnvExt, Error, Generator, Reset, Result, Seed};
 
-/// The number of seeds or resets of which at least two must give different episodes.
+/// The number of seeds or resets. At least two of them must give different episodes.
 const TRIES: u64 = 20;
 /// The number of steps within which most episodes differ.
 const SOON: usize = 5;
@@ -61,7 +61,7 @@ pub(crate) fn same_seed(subject: &Subject<'_>) -> Verdict {
     subject.variants().repeated()
 }
 
-/// Plays episodes after a seeded episode that was abandoned, and after one without steps.
+/// Returns an unseeded episode after an abandoned seeded episode and an episode without steps.
 fn interrupted(subject: &Subject<'_>, seed: u64) -> Result<Vec<Shown>> {
     let mut env = subject.midway(seed)?;
     env.reset(())?;
@@ -80,7 +80,7 @@ fn forgets(subject: &Subject<'_>) -> Verdict {
     let mut env = subject.make()?;
     for seed in SEEDS {
         let first = roll_out(&mut env, seed, STEPS)?;
-        // an episode of another seed is abandoned after 7 steps
+        // abandon an episode of another seed after 7 steps
         roll_out(&mut env, seed + 1, 7)?;
         let second = roll_out(&mut env, seed, STEPS)?;
         same(
@@ -88,7 +88,7 @@ fn forgets(subject: &Subject<'_>) -> Verdict {
             &second,
             "a used environment with the same seed and actions",
         )?;
-        // the same seed once more, and then with nothing in between
+        // the same seed once more, and then two resets without a step between them
         let again = roll_out(&mut env, seed, SOON)?;
         let what = "an environment whose last reset had the same seed";
         same(&first[..again.len()], &again, what)?;
@@ -96,7 +96,7 @@ fn forgets(subject: &Subject<'_>) -> Verdict {
         let again = [Shown::Reset(observation, info(&env))];
         same(&first[..1], &again, what)?;
     }
-    // a counter that no reset sets back may have an effect late
+    // a counter that no reset sets to 0 may have an effect only after many steps
     let (seed, steps) = (SEEDS[0], subject.longest()?);
     let first = roll_out(&mut subject.make()?, seed, STEPS)?;
     carry_on(&mut env, seed, steps)?;
@@ -115,12 +115,13 @@ fn forgets(subject: &Subject<'_>) -> Verdict {
     )
 }
 
-/// Plays an episode with fixed actions: episodes then differ only by the environment's randomness.
+/// Plays an episode with fixed actions, so that episodes differ only by the environment's
+/// randomness.
 fn episode(env: &mut BoxEnv, reset: Reset) -> Result<Vec<Shown>> {
     episode_of(env, reset, STEPS)
 }
 
-/// Plays the first `steps` steps of such an episode.
+/// Like [`episode`], but plays only the first `steps` steps.
 fn episode_of(env: &mut BoxEnv, reset: Reset, steps: usize) -> Result<Vec<Shown>> {
     let observation = env.reset(reset)?;
     let mut shown = vec![Shown::Reset(observation, env.info_map())];
@@ -158,7 +159,7 @@ fn seeds_count(subject: &Subject<'_>, env: &mut BoxEnv) -> Verdict {
             steps,
         )
     };
-    // high bits, and remainders of a power of 10 and of two primes
+    // differences of the seeds: single high bits, a power of 10, 2^31 - 1 and 2^32 - 1
     let bits = [16, 24, 31, 32, 48, 53, 63, 64, 100].map(|bit| (1u128 << bit, format!("2^{bit}")));
     let others = [10u128.pow(18), (1 << 31) - 1, (1 << 32) - 1].map(|by| (by, by.to_string()));
     for (by, name) in bits.into_iter().chain(others) {
@@ -167,7 +168,7 @@ fn seeds_count(subject: &Subject<'_>, env: &mut BoxEnv) -> Verdict {
             other(env, by + u128::from(seed), steps)
         })?;
     }
-    // more than 128 bits; the last digits leave room for the seeds that are added
+    // a difference of 2^128: the last digits are the seed's
     let what = "a seed and the one 2^128 above it always give the same episode";
     let above = |env: &mut BoxEnv, seed: u64, steps| {
         let seed = format!("3402823669209384634633746074317682114{}", 56 + seed);
@@ -179,7 +180,7 @@ fn seeds_count(subject: &Subject<'_>, env: &mut BoxEnv) -> Verdict {
         episode_of(env, reset, steps)
     };
     not_always(env, what, seeded, above)?;
-    // a seed that is stored as a float loses its lowest bits
+    // an environment that stores a seed as a float loses the seed's lowest bits
     for bit in [30, 60, 100] {
         let what = format!("a seed above 2^{bit} and the next always give the same episode");
         let large =
@@ -203,10 +204,10 @@ fn seeds_count(subject: &Subject<'_>, env: &mut BoxEnv) -> Verdict {
     seeds_apart(subject, env)
 }
 
-/// Checks that no two of many seeds leave the lent generator in one state. If the generator does
-/// not follow the seed at all, the check `generator-lent` reports it.
+/// Checks that no two of many seeds leave the environment's generator in the same state. If the
+/// generator does not depend on the seed at all, the check `generator-lent` reports it.
 fn seeds_apart(subject: &Subject<'_>, env: &mut BoxEnv) -> Verdict {
-    /// The number of values of the upper and of the lower 32 bits.
+    /// The number of values of the seed's upper 32 bits, and of its lower 32 bits.
     const HALVES: u64 = 12;
     let mut rng = Generator::from(0);
     let halves = (0..HALVES).flat_map(|high| (0..HALVES).map(move |low| (high << 32) | low));
@@ -214,7 +215,7 @@ fn seeds_apart(subject: &Subject<'_>, env: &mut BoxEnv) -> Verdict {
         iter::repeat_with(|| rng.integers(i64::MIN, i64::MAX) as u64).take(subject.many_resets()?);
     let mut states: Vec<(Generator, u64)> = Vec::new();
     for seed in halves.chain(random) {
-        // a task that makes levels at random may have none for a rare seed
+        // a task that generates levels at random may fail for a rare seed
         if env.reset(seed).is_err() {
             continue;
         }
@@ -222,7 +223,7 @@ fn seeds_apart(subject: &Subject<'_>, env: &mut BoxEnv) -> Verdict {
             return Ok(());
         };
         match states.iter().find(|(other, _)| other == state) {
-            // the first seeds are 0 and 1
+            // the seeds 0 and 1 give the same state: see `generator-lent`
             Some(_) if states.len() == 1 => return Ok(()),
             Some((_, other)) => {
                 return broken(format!(
@@ -235,7 +236,7 @@ fn seeds_apart(subject: &Subject<'_>, env: &mut BoxEnv) -> Verdict {
     Ok(())
 }
 
-/// Returns whether episodes with equal actions differ, with other seeds or without one.
+/// Returns whether episodes with equal actions differ, with other seeds or without a seed.
 fn is_random(env: &mut BoxEnv) -> Result<bool> {
     let first = episode(env, Reset::seed(0))?;
     for seed in 1..TRIES {
@@ -255,13 +256,14 @@ fn not_always(
     other: impl Fn(&mut BoxEnv, u64, usize) -> Result<Vec<Shown>>,
 ) -> Verdict {
     not_always_true(env, what, &plain, |env, seed| {
-        // most differ within few steps
+        // compare a few steps first: most episodes differ early
         Ok(other(env, seed, SOON)? == plain(env, seed, SOON)?
             && other(env, seed, STEPS)? == plain(env, seed, STEPS)?)
     })
 }
 
-/// Reports `what` if `holds` is true for every seed, although most seeds give different episodes.
+/// Reports `what` if `holds` returns true for every seed, although most seeds give different
+/// episodes.
 fn not_always_true(
     env: &mut BoxEnv,
     what: &str,
@@ -273,10 +275,10 @@ fn not_always_true(
         if !holds(env, seed)? {
             return Ok(());
         }
-        // not with the next seed, whose episode may be equal by the fault
+        // not `seed + 1`: the fault itself may make its episode equal
         distinct += u64::from(plain(env, seed + 3, STEPS)? != plain(env, seed, STEPS)?);
     }
-    // if few episodes differ at all, equal ones prove nothing
+    // if only few episodes differ, equal episodes prove nothing
     if distinct * 2 > TRIES {
         broken(what)
     } else {
@@ -308,7 +310,8 @@ pub(crate) fn carries_on(subject: &Subject<'_>) -> Verdict {
     ))
 }
 
-/// Checks that resets without a seed do not give the same one or two episodes in turn.
+/// Checks that resets without a seed do not repeat the same episode, or the same two episodes in
+/// turn.
 fn never_alternates(env: &mut BoxEnv) -> Verdict {
     let mut is_periodic = |resets: u64, steps: usize| -> Result<bool> {
         env.reset(0)?;
@@ -322,7 +325,7 @@ fn never_alternates(env: &mut BoxEnv) -> Verdict {
                 .all(|(a, b)| a == b)
         }))
     };
-    // a few episodes may alternate by chance
+    // compare more episodes too: a few may alternate by chance
     if is_periodic(6, SOON)? && is_periodic(2 * TRIES, STEPS)? {
         return broken("resets without a seed give the same few episodes in turn, again and again");
     }
@@ -379,7 +382,8 @@ pub(crate) fn generator_lent(subject: &Subject<'_>) -> Verdict {
     }
 }
 
-/// Checks that the generator is lent after every step, also after the last one of an episode.
+/// Checks that `Env::generator` returns the generator after every step, including the last step of
+/// an episode.
 fn lent_always(subject: &Subject<'_>) -> Verdict {
     let mut env = subject.reset(0)?;
     let mut actions = env.action_sampler(0)?;

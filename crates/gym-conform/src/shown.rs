@@ -1,4 +1,4 @@
-//! The check of what an environment shows before its next step: info, text and drawing.
+//! The check of an environment's info, text and drawing.
 
 use crate::calls::Calls;
 use crate::inputs::invalid;
@@ -6,11 +6,11 @@ use crate::subject::{MIDWAY, SEEDS, Subject, alike, info, roll_out};
 use crate::verdict::{Verdict, broken};
 use gym_core::{BoxEnv, Env, EnvExt};
 
-/// Checks that info, text and drawing belong to the state: they are equal in another environment,
-/// after a used one was reset, in copies, and after refused actions.
+/// Checks that info, text and drawing depend only on the state. They must be equal in a second
+/// environment, in a used environment after a reset, in copies, and after refused actions.
 pub(crate) fn follows(subject: &Subject<'_>) -> Verdict {
     for (i, seed) in SEEDS.into_iter().enumerate() {
-        // some drawings have thousands of calls
+        // draw for one seed only: some drawings have thousands of calls
         let is_drawn = i == 0;
         let same = |a: &BoxEnv, b: &BoxEnv, what: &str| same(a, b, what, is_drawn);
         let mut env = subject.midway(seed)?;

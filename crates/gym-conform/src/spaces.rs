@@ -7,7 +7,7 @@ use gym_core::{BoxEnv, Env, Space};
 /// The largest bound of an action that counts as normalised.
 const NORMAL: f64 = 1.0;
 
-/// Calls `visit` with the place of each space and inner space, and the space.
+/// Calls `visit` with each space and inner space, and a description of its place.
 fn each(subject: &Subject<'_>, mut visit: impl FnMut(&str, &Space) -> Verdict) -> Verdict {
     let env = subject.make()?;
     within(

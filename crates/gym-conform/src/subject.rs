@@ -14,13 +14,14 @@ use gym_core::{
     Space, Step, Value, registry,
 };
 
-/// The number of steps that are compared, over several episodes if they are short.
+/// The number of steps of a comparison. Short episodes are followed by further episodes.
 pub(crate) const STEPS: usize = 150;
 /// The number of steps after which an episode counts as begun.
 pub(crate) const MIDWAY: usize = 5;
 pub(crate) const SEEDS: [u64; 3] = [0, 1, 123_456_789];
 
-/// A run: its seed, and the numbers of steps before and in the comparison.
+/// A run: the seed, the number of steps before the comparison, and the number of steps in the
+/// comparison.
 type Run = (u64, usize, usize);
 
 /// The environment under test.
@@ -28,17 +29,17 @@ pub(crate) struct Subject<'a> {
     make: &'a dyn Fn() -> Result<BoxEnv>,
     /// A long run, played before all other calls.
     first_run: OnceCell<Vec<Shown>>,
-    /// The observation and the action space after it.
+    /// The observation and the action space after the long run.
     late_spaces: OnceCell<[Space; 2]>,
-    /// An episode that is interrupted until the last checks.
+    /// An episode that pauses until the check of the clock.
     paused: OnceCell<Paused>,
     /// The events of each seed, played once for several checks.
     events: OnceCell<Vec<(u64, Vec<Shown>)>>,
-    /// The faults of long runs, also played once.
+    /// The faults of long runs, which are played once for several checks.
     long_runs: OnceCell<LongRuns>,
-    /// The faults of other arguments and of options, also played once.
+    /// The faults with other arguments and with options, which are played once for several checks.
     variants: OnceCell<Variants>,
-    /// The faults of damaged snapshots, also tried once.
+    /// The faults with damaged snapshots, which are tried once for several checks.
     damaged: OnceCell<Damaged>,
     /// The runs of [`untouched`](Self::untouched), by seed and steps, played once for several
     /// checks.
@@ -57,7 +58,7 @@ impl<'a> Subject<'a> {
         Self::with(make, spec, registration)
     }
 
-    /// A subject whose `make` makes the environment of `spec`.
+    /// Makes the subject for an environment whose spec is `spec`.
     pub(crate) fn of_spec(make: &'a dyn Fn() -> Result<BoxEnv>, spec: EnvSpec) -> Self {
         let registration = registry::find(&spec.id).ok();
         Self::with(make, Some(spec), registration)
@@ -91,11 +92,11 @@ impl<'a> Subject<'a> {
         (self.make)()
     }
 
-    /// Makes a new environment without a time limit, if it is registered: its snapshots then
+    /// Makes a new environment, without a time limit if it is registered. Its snapshots then
     /// contain only its own state.
     pub(crate) fn unlimited(&self) -> Result<BoxEnv> {
         match &self.spec {
-            // a wrapper may need the limit
+            // (a wrapper may need the time limit)
             Some(spec) if self.registration.is_some() => EnvSpec {
                 max_episode_steps: None,
                 ..spec.clone()
@@ -113,20 +114,20 @@ impl<'a> Subject<'a> {
         Ok(env)
     }
 
-    /// Makes a new environment and takes some steps.
+    /// Makes a new environment and takes [`MIDWAY`] steps.
     pub(crate) fn midway(&self, seed: u64) -> Result<BoxEnv> {
         self.after(seed, MIDWAY)
     }
 
-    /// Makes a new environment and takes `steps` steps, with resets after episodes.
+    /// Makes a new environment and takes `steps` steps, with resets at the ends of episodes.
     pub(crate) fn after(&self, seed: u64, steps: usize) -> Result<BoxEnv> {
         let mut env = self.make()?;
         roll_out(&mut env, seed, steps)?;
         Ok(env)
     }
 
-    /// Returns `after` steps of an environment that took `before` steps, and was neither copied nor
-    /// looked at.
+    /// Returns `after` steps of an environment that took `before` steps before. Nothing else was
+    /// called on the environment.
     pub(crate) fn untouched(&self, seed: u64, before: usize, after: usize) -> Result<Rc<[Shown]>> {
         let key = (seed, before, after);
         if let Some(run) = self.untouched.borrow().get(&key) {
@@ -137,8 +138,7 @@ impl<'a> Subject<'a> {
         Ok(run)
     }
 
-    /// Returns the number of steps of a long comparison: the time limit, if it is neither short nor
-    /// long.
+    /// Returns the number of steps of a long comparison: the time limit, clamped to a range.
     pub(crate) fn long(&self) -> Result<usize> {
         let limit = self
             .spec
@@ -152,7 +152,7 @@ impl<'a> Subject<'a> {
         })
     }
 
-    /// Returns whether observations are pictures, of which hundreds fill the memory.
+    /// Returns whether observations are images. Hundreds of images fill the memory.
     fn shows_pictures(&self) -> Result<bool> {
         const PICTURE: usize = 10_000;
         Ok(match self.make()?.observation_space() {
@@ -168,7 +168,7 @@ impl<'a> Subject<'a> {
             .max(if self.shows_pictures()? { 0 } else { 1000 }))
     }
 
-    /// Returns whether an observation has so few numbers that the environment is likely fast.
+    /// Returns whether observations have few numbers. Such an environment is likely fast.
     pub(crate) fn is_small(&self) -> Result<bool> {
         const FEW: usize = 6;
         Ok(match self.make()?.observation_space() {
@@ -178,8 +178,8 @@ impl<'a> Subject<'a> {
         })
     }
 
-    /// Returns the number of resets of a comparison of many seeds. Environments with few numbers in
-    /// an observation are reset fast.
+    /// Returns the number of resets of a comparison of many seeds. An environment whose
+    /// observations have few numbers likely resets fast.
     pub(crate) fn many_resets(&self) -> Result<usize> {
         const FEW: usize = 32;
         Ok(match self.make()?.observation_space() {
@@ -189,13 +189,13 @@ impl<'a> Subject<'a> {
         })
     }
 
-    /// Returns the number of steps that are taken from each of many states.
+    /// Returns the number of steps to take from each of many states.
     pub(crate) fn few(&self) -> Result<usize> {
         Ok(if self.shows_pictures()? { 5 } else { 20 })
     }
 
-    /// Returns a long run of the first seed. It is played first, before static variables can have
-    /// changed.
+    /// Returns a long run of the first seed. The first call plays the run, before other checks can
+    /// change static variables.
     pub(crate) fn first_run(&self) -> Result<&[Shown]> {
         if let Some(run) = self.first_run.get() {
             return Ok(run);
@@ -212,7 +212,7 @@ impl<'a> Subject<'a> {
         self.late_spaces.get()
     }
 
-    /// Returns an episode that was begun before the other checks.
+    /// Returns an episode that began before the other checks.
     pub(crate) fn paused(&self) -> Result<&Paused> {
         if let Some(paused) = self.paused.get() {
             return Ok(paused);
@@ -248,7 +248,8 @@ impl<'a> Subject<'a> {
         self.variants.get_or_init(|| Variants::play(self))
     }
 
-    /// Returns the spec, and all arguments with their default values, if it is registered.
+    /// Returns the spec, and all arguments with their default values, if the environment is
+    /// registered.
     pub(crate) fn arguments(&self) -> Option<(EnvSpec, Kwargs)> {
         let (spec, registration) = (self.spec.as_ref()?, self.registration.as_ref()?);
         let table = registration.arguments().ok()?.into_iter();
@@ -259,7 +260,7 @@ impl<'a> Subject<'a> {
         Some((spec.clone(), kwargs))
     }
 
-    /// Returns the faults of damaged snapshots, which are taken after some steps.
+    /// Returns the faults with damaged snapshots. The snapshots are taken after some steps.
     pub(crate) fn damaged(&self) -> Result<&Damaged> {
         if let Some(damaged) = self.damaged.get() {
             return Ok(damaged);
@@ -283,7 +284,7 @@ impl<'a> Subject<'a> {
         self.spec.as_ref().is_some_and(|spec| spec.nondeterministic)
     }
 
-    /// Skips a comparison where the same seed may give different episodes.
+    /// Skips the check if the same seed may give different episodes.
     pub(crate) fn repeatable(&self) -> Verdict {
         if self.is_nondeterministic() {
             skipped("it is registered as nondeterministic")
@@ -308,7 +309,8 @@ impl Shown {
     }
 }
 
-/// Resets with `seed` and takes `steps` random actions, with unseeded resets after episodes.
+/// Resets with `seed` and takes `steps` random actions, with unseeded resets at the ends of
+/// episodes.
 pub(crate) fn roll_out(env: &mut BoxEnv, seed: u64, steps: usize) -> Result<Vec<Shown>> {
     let observation = env.reset(seed)?;
     let mut shown = vec![Shown::Reset(observation, info(env))];
@@ -362,7 +364,7 @@ pub(crate) fn info(env: &BoxEnv) -> Info {
     info
 }
 
-/// Calls `visit` with each event of each seed, and its place.
+/// Calls `visit` with each event of each seed, and a description of its place.
 pub(crate) fn each_event(
     subject: &Subject<'_>,
     mut visit: impl FnMut(&Shown, &str) -> Verdict,
@@ -375,7 +377,8 @@ pub(crate) fn each_event(
     Ok(())
 }
 
-/// Reports the first difference of two histories. NaN equals NaN, as another check reports it.
+/// Reports the first difference of two histories. NaN equals NaN here, because another check
+/// reports NaN.
 pub(crate) fn same(a: &[Shown], b: &[Shown], what: &str) -> Verdict {
     match a.iter().zip(b).position(|(a, b)| !alike(a, b)) {
         None => Ok(()),
@@ -391,7 +394,7 @@ pub(crate) fn alike<T: PartialEq + std::fmt::Debug>(a: &T, b: &T) -> bool {
 }
 
 /// Plays with [`Env::reset_into`] and [`Env::step_into`]. `buffer` turns the last observation into
-/// the next buffer. Only resets are shown with their info.
+/// the next buffer. Only the results of resets contain the info.
 pub(crate) fn roll_out_into(
     env: &mut BoxEnv,
     seed: u64,

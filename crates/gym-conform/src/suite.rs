@@ -5,7 +5,8 @@ use gym_core::{Error, registry};
 use crate::report::{Format, Report};
 use crate::run::{Progress, reports_with};
 
-/// Returns the ids that a crate registers at link time; `my-envs` and `my_envs` are the same name.
+/// Returns the ids that the crate `crate_name` registers at link time. The names `my-envs` and
+/// `my_envs` mean the same crate.
 pub fn ids_of(crate_name: &str) -> Vec<String> {
     let underscored = crate_name.replace('-', "_");
     let all = registry::all();
@@ -34,7 +35,7 @@ pub fn assert_conforms(crate_name: &str) {
     };
     let reports = reports_with(&ids, long).unwrap_or_else(|error: Error| panic!("{error}"));
     let text = Format::Text.write(&reports);
-    // the text is printed once: by the panic, or below
+    // print the text once: by the panic, or below
     assert!(reports.iter().all(Report::passes), "{text}");
     println!("{text}");
 }
@@ -51,7 +52,7 @@ pub fn assert_conforms(crate_name: &str) {
 #[macro_export]
 macro_rules! suite {
     ($name:ident) => {
-        // Cargo links only crates that are named
+        // (Cargo links only crates that the code names)
         use $name as _;
 
         #[test]

@@ -10,7 +10,7 @@ use crate::options::examples;
 use crate::subject::{SEEDS, Shown, Subject, alike, carry_on, info};
 use crate::verdict::{Verdict, broken, message};
 
-/// The steps before a copy is taken, and after.
+/// The number of steps before a copy is taken, and after.
 const BEFORE: usize = 3;
 const AFTER: usize = 10;
 
@@ -29,9 +29,9 @@ pub(crate) struct Variants {
 struct Variant {
     spec: EnvSpec,
     options: Kwargs,
-    /// Whether an argument that is a float differs.
+    /// Whether the variant has another value for an argument of type float.
     is_float: bool,
-    /// The change, for messages.
+    /// A description of the change, for messages.
     name: String,
 }
 
@@ -41,7 +41,7 @@ impl Variants {
         let mut faults = Self::default();
         for variant in all(subject) {
             let attempt = catch_unwind(AssertUnwindSafe(|| {
-                // the environment may refuse an argument, or steps with it
+                // (the environment may refuse an argument, or fail in a step)
                 let _ = faults.try_one(&variant, subject.is_nondeterministic());
             }));
             if let Err(payload) = attempt {
@@ -76,7 +76,7 @@ impl Variants {
         let (env, _) = variant.begin()?;
         let mut clone = env.clone();
         let mut copies = vec![(&mut self.cloned, "a clone", carry_on(&mut clone, 1, AFTER))];
-        // an environment without snapshots is the finding of another check
+        // (another check reports an environment without snapshots)
         if let Ok(snapshot) = env.snapshot() {
             let restored = variant.restored(&snapshot);
             copies.push((&mut self.restored, "an environment restored", restored));
@@ -97,7 +97,7 @@ impl Variants {
         let name = &variant.name;
         let space = env.observation_space();
         for (i, shown) in shown.iter().enumerate() {
-            // with unusual numbers, some physical constants lead out of the space
+            // with unusual values of physical constants, observations may leave the space
             if !variant.is_float
                 && let Err(error) = space.check(shown.observation())
             {
@@ -157,7 +157,7 @@ impl Variant {
         Ok((env, shown))
     }
 
-    /// Restores a new environment, and goes on.
+    /// Restores a new environment from `snapshot`, and takes [`AFTER`] steps.
     fn restored(&self, snapshot: &Snapshot) -> Result<Vec<Shown>> {
         let mut env = self.spec.make()?;
         env.restore(snapshot)?;
@@ -171,8 +171,8 @@ fn difference(a: &[Shown], b: &[Shown]) -> Option<String> {
     Some(format!("event {i} is {:?} and {:?}", a[i], b[i]))
 }
 
-/// Returns the environment with one other argument, or one option, or an option and an inverted
-/// switch.
+/// Returns the variants of the environment: one other argument, one option, or one option and one
+/// inverted bool.
 fn all(subject: &Subject<'_>) -> Vec<Variant> {
     let Some((spec, kwargs)) = subject.arguments() else {
         return Vec::new();

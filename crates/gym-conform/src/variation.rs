@@ -40,17 +40,17 @@ impl Variant {
 pub(crate) enum Effect {
     /// The environment refuses every change.
     Refused,
-    /// The environment accepts a change, but no change has an effect.
+    /// The environment accepts some changes, but they have no effect.
     None,
     Seen,
 }
 
-/// Looks for an effect of a change, first where it is cheap to see.
+/// Searches for an effect of a change; cheap comparisons come first.
 pub(crate) struct Search {
-    /// The default, and the default with each switch inverted: a switch may hide the effect of
-    /// others.
+    /// The default variant, and the default variant with each bool inverted, because a bool may
+    /// hide the effect of other arguments.
     surroundings: Vec<Variant>,
-    /// The episodes of each surrounding and seed, played once for all changes.
+    /// The episodes of each variant in `surroundings` and each seed, played once for all changes.
     plays: BTreeMap<(usize, u64), Result<Play>>,
     long: usize,
     few: usize,
@@ -66,8 +66,8 @@ impl Search {
         })
     }
 
-    /// Returns the effect of `changes`, each of which turns a surrounding into a variant, or into
-    /// none.
+    /// Returns the effect of `changes`. Each change turns a variant of `surroundings` into a
+    /// changed variant, or into `None` if it does not apply.
     pub(crate) fn effect(&mut self, changes: &[impl Fn(&Variant) -> Option<Variant>]) -> Effect {
         let mut effect = Effect::Refused;
         let [seed, others @ ..] = SEEDS;
@@ -102,12 +102,12 @@ impl Search {
     }
 }
 
-/// Episodes of random actions, played as far as they are compared.
+/// Episodes with random actions, played only as far as a comparison needs.
 struct Play {
     env: BoxEnv,
     actions: Sampler,
     options: Kwargs,
-    /// The spaces and the metadata.
+    /// The spaces and the metadata, as text.
     look: String,
     /// The first drawing.
     drawing: Drawing,
@@ -168,7 +168,7 @@ impl Play {
                 _ => return true,
             }
         }
-        // a play that is used again may be longer
+        // (a play that was used before may be longer: its last drawing is then of another state)
         self.shown.len() == other.shown.len() && drawing(&self.env) != drawing(&other.env)
     }
 }
@@ -180,11 +180,11 @@ fn drawing(env: &BoxEnv) -> Drawing {
     (Calls::of(env).record, env.ansi())
 }
 
-/// Returns whether two variants differ in states that random actions do not reach: in snapshots in
-/// which one number or bool is changed.
+/// Returns whether two variants differ in states that random actions do not reach. Such states come
+/// from snapshots in which one number or bool is changed.
 fn differ_elsewhere(a: &Variant, b: &Variant, seed: u64, steps: usize) -> Result<bool> {
     const START: usize = 5;
-    /// The number of changes that are tried; large models have hundreds of numbers.
+    /// The largest number of changes to try, because large models have hundreds of numbers.
     const MAX: usize = 100;
     let [mut a, mut b] = [Play::start(a, seed)?, Play::start(b, seed)?];
     for play in [&mut a, &mut b] {
@@ -194,7 +194,7 @@ fn differ_elsewhere(a: &Variant, b: &Variant, seed: u64, steps: usize) -> Result
         a.env.snapshot()?.get::<Json>()?,
         b.env.snapshot()?.get::<Json>()?,
     ];
-    // a part in which the snapshots differ is the change itself
+    // skip the parts in which the two snapshots differ: they are the effect of the change itself
     let moves = moves(&at_a)
         .into_iter()
         .filter(|to| to.is_same(&at_a, &at_b));

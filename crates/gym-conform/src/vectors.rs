@@ -1,4 +1,4 @@
-//! The check of a vector of the environment's own.
+//! The check of an environment's native vector.
 
 use std::collections::BTreeMap;
 use std::fmt::Debug;
@@ -19,7 +19,7 @@ const SEED: u64 = 3;
 /// The lengths of a comparison.
 #[derive(Clone, Copy)]
 struct Size {
-    /// The number of sub-environments: no multiple of the lanes of a register.
+    /// The number of sub-environments, which is no multiple of the number of SIMD lanes.
     envs: usize,
     /// A time limit that episodes reach soon.
     limit: u32,
@@ -28,14 +28,14 @@ struct Size {
     arguments: usize,
 }
 
-/// For environments whose observation has few numbers: most are made and stepped fast.
+/// For environments whose observations have few numbers. Most of them are fast.
 const SMALL: Size = Size {
     envs: 11,
     limit: 9,
     steps: 24,
     arguments: 8,
 };
-/// For worlds and pictures, of which a step or a copy takes long.
+/// For physics and images, with slow steps and copies.
 const LARGE: Size = Size {
     envs: 3,
     limit: 3,
@@ -43,8 +43,8 @@ const LARGE: Size = Size {
     arguments: 1,
 };
 
-/// Checks that the vector of the registration equals a sync vector of the environments: in each
-/// mode of autoreset, with masks, options, snapshots and arguments that differ.
+/// Checks that the registration's vector equals a sync vector of the environments, in each
+/// autoreset mode, with masks, options, snapshots and different arguments.
 pub(crate) fn equal(subject: &Subject<'_>) -> Verdict {
     let (Some(spec), Some(registration)) = (&subject.spec, &subject.registration) else {
         return Ok(());
@@ -90,7 +90,7 @@ pub(crate) fn equal(subject: &Subject<'_>) -> Verdict {
     arguments_apart(subject, &limited, size)
 }
 
-/// Compares vectors in which an argument of each sub-environment differs from that of the next.
+/// Compares vectors whose sub-environments have different values of an argument.
 fn arguments_apart(subject: &Subject<'_>, spec: &EnvSpec, size: Size) -> Verdict {
     let Some((_, kwargs)) = subject.arguments() else {
         return Ok(());
@@ -113,7 +113,7 @@ fn arguments_apart(subject: &Subject<'_>, spec: &EnvSpec, size: Size) -> Verdict
         let each = Each::Values(each.cloned().collect());
         vector.each = BTreeMap::from([(name.clone(), each)]);
         let what = format!("with {name}={value} and {name}={other} in turn");
-        // a vector may refuse arguments that differ
+        // (a vector may refuse sub-environments with different arguments)
         let Some(mut pair) = Pair::new(&vector, &what, size)? else {
             continue;
         };
@@ -123,7 +123,7 @@ fn arguments_apart(subject: &Subject<'_>, spec: &EnvSpec, size: Size) -> Verdict
     Ok(())
 }
 
-/// Makes a vector of another kind.
+/// Makes the vector of `spec` as a vector of the kind `kind`.
 fn kind(spec: &VectorSpec, kind: VectorKind) -> Result<Box<dyn VectorEnv>> {
     let mut spec = spec.clone();
     spec.vectorization_mode = kind;
@@ -138,7 +138,7 @@ struct Pair<'a> {
     expected: Columns,
     actions: gym_core::spaces::Sampler,
     spec: &'a VectorSpec,
-    /// The settings, for messages.
+    /// A description of the settings, for messages.
     what: &'a str,
     size: Size,
     calls: usize,
@@ -186,7 +186,7 @@ impl<'a> Pair<'a> {
         }))
     }
 
-    /// Makes each kind of call.
+    /// Makes each kind of call on both vectors.
     fn play(&mut self, subject: &Subject<'_>) -> Verdict {
         let Size { envs, steps, .. } = self.size;
         let action = self.actions.sample();
@@ -199,7 +199,7 @@ impl<'a> Pair<'a> {
             envs.step_into(&Value::Null, columns)
         })?;
         self.steps(3)?;
-        // every third, of which some have a seed
+        // reset every third sub-environment; some of them have a seed
         let mask: Vec<_> = (0..envs).map(|i| i % 3 == 1).collect();
         let seeds = (0..envs).map(|i| (i % 2 == 0).then(|| (50 + i as u64).into()));
         let masked = VectorReset {
@@ -217,7 +217,7 @@ impl<'a> Pair<'a> {
         }
         self.reset(&VectorReset::default().option("no_such_option", "x"))?;
         self.reset(&VectorReset::default())?;
-        // columns of another form
+        // start again with empty columns
         (self.seen, self.expected) = (Columns::default(), Columns::default());
         self.steps(steps / 2)?;
         self.own.close();
@@ -232,7 +232,7 @@ impl<'a> Pair<'a> {
         self.both("reset", |envs, columns| envs.reset_into(reset, columns))
     }
 
-    /// Takes random steps. Without autoreset, resets what has ended.
+    /// Takes random steps. Without autoreset, resets the sub-environments whose episode has ended.
     fn steps(&mut self, steps: usize) -> Verdict {
         for _ in 0..steps {
             let actions = self.actions.sample();
@@ -259,7 +259,7 @@ impl<'a> Pair<'a> {
         };
         match restored() {
             Ok(new) => self.own = new,
-            // the environments may have no snapshots either
+            // (the environments themselves may have no snapshots)
             Err(error) if self.sync.snapshot().is_ok() => {
                 return broken(format!("{}: its vector's snapshot: {error}", self.what));
             }

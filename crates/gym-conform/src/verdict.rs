@@ -7,13 +7,13 @@ use gym_core::Error;
 /// The result of a check.
 pub(crate) type Verdict<T = ()> = std::result::Result<T, Trouble>;
 
-/// Why a check did not pass.
+/// The reason why a check did not pass.
 pub(crate) enum Trouble {
     /// The rule is broken: the fault, and its place.
     Broken(String),
-    /// There was nothing to check, or a crate that the check needs is not linked.
+    /// The check does not apply, or a crate that the check needs is not linked.
     Skipped(String),
-    /// A call failed that another check reports.
+    /// A call failed. Another check reports this error.
     Error(Error),
 }
 

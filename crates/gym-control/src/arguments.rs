@@ -43,7 +43,7 @@ gym_core::arguments! {
 }
 
 impl Common {
-    /// The default values, with episodes of some seconds.
+    /// Returns the default values, with episodes of `seconds` seconds.
     pub(crate) fn lasting(seconds: impl Into<Option<f64>>) -> Self {
         Self {
             time_limit: seconds.into(),
@@ -51,7 +51,7 @@ impl Common {
         }
     }
 
-    /// Refuses values out of range.
+    /// Returns an error for a value out of range.
     pub(crate) fn check(&self, model: &Model) -> Result<()> {
         let refuse = |name: &str, reason: String| Err(Error::argument(name.to_owned(), reason));
         if let Some(limit) = self

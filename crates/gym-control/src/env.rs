@@ -64,14 +64,14 @@ pub struct ControlEnv {
 #[derive(Clone, Debug, Serialize, Deserialize)]
 struct Episode {
     rng: RandomState,
-    /// The generator for wrappers that draw.
+    /// The generator that `Env::generator` returns, for wrappers.
     generator: Generator,
     constants: Vec<f64>,
     steps: u64,
     data: Data,
 }
 
-/// The bound of a control that has no range.
+/// The bound of a control without a range, in the action space.
 const UNBOUNDED: f64 = 1e10;
 
 impl ControlEnv {
@@ -131,7 +131,7 @@ impl ControlEnv {
         let limit = common
             .time_limit
             .map_or(f64::INFINITY, |limit| limit / step);
-        // a picture reads all frames
+        // an image needs all frames
         let reads = match pixels {
             None => task.reads(model),
             Some(_) => None,
@@ -224,7 +224,7 @@ impl ControlEnv {
         Ok(episode)
     }
 
-    /// Draws the state on a canvas of size `size`.
+    /// Draws the state `data` on a canvas of the size `size`.
     fn picture(&self, data: &Data, size: (u32, u32), canvas: &mut dyn Canvas) {
         let model = &self.world.model;
         if self.common.visualize_reward {
@@ -373,7 +373,7 @@ impl Lockstep for ControlEnv {
     fn begin_step(&mut self, action: &Array, worlds: &mut Worlds) {
         let model = &self.world.model;
         let fits = action.shape() == [model.nu()] && action.is_finite();
-        // a task that drew constants has a model of its own
+        // an episode with drawn constants has a model of its own, so its world steps alone
         let episode = self.episode.as_deref();
         let episode = episode.filter(|episode| fits && episode.constants.is_empty());
         self.place = episode
@@ -417,7 +417,7 @@ impl Inspect for ControlEnv {
     }
 }
 
-/// The entry point of a domain's environments, for their registration.
+/// The entry point of a domain's environments, for registrations.
 #[derive(Debug)]
 pub struct Of<D>(PhantomData<D>);
 
@@ -440,7 +440,7 @@ mod tests {
         walker,
     };
 
-    /// How many of eight worlds step together where registers hold four or eight.
+    /// Returns how many of eight worlds step together, if registers hold four or eight numbers.
     fn together<D: Domain>() -> usize
     where
         D::Config: Default,

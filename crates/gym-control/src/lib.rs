@@ -19,8 +19,7 @@
 //! Linking this crate registers the tasks; name it (`use gym_control as _;`) if nothing else of it
 //! is used.
 #![warn(clippy::disallowed_methods)]
-// unit tests register no environment, so that the compiler leaves out all code that they do not
-// call
+// unit tests register no environment, so that unused code is not compiled into them
 #![cfg_attr(test, allow(dead_code, unused_imports))]
 
 mod arguments;

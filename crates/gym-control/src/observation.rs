@@ -41,7 +41,7 @@ impl Observation {
         self.part(name, &[0, N], rows.into_iter().flatten());
     }
 
-    /// Adds a part. If `shape` begins with 0, that length is computed from the numbers.
+    /// Adds a part. If `shape` begins with 0, the number of `numbers` decides this length.
     fn part(
         &mut self,
         name: &'static str,
@@ -64,13 +64,14 @@ impl Observation {
         self.filled += 1;
     }
 
-    /// Removes the numbers. The task must add the same parts again, in the same order.
+    /// Removes the numbers, but not the parts. The task must then add the same parts in the same
+    /// order.
     pub(crate) fn clear(&mut self) {
         self.numbers.clear();
         self.filled = 0;
     }
 
-    /// The parts, sorted by name.
+    /// Returns the parts, sorted by name.
     pub(crate) fn layout(&self) -> Layout {
         let mut parts = self.parts.clone();
         parts.sort_by_key(|part| part.name);
@@ -109,7 +110,7 @@ pub(crate) struct Layout {
 }
 
 impl Layout {
-    /// The observation space.
+    /// Returns the observation space.
     pub(crate) fn space(&self, flat: bool, dtype: DType) -> Result<Space> {
         let reals = |shape: &[usize]| -> Result<Space> {
             let space = BoxSpace::uniform(f64::NEG_INFINITY, f64::INFINITY, shape, dtype)?;
@@ -126,7 +127,7 @@ impl Layout {
     }
 }
 
-/// Writes numbers to `out` as an array of the given type and shape.
+/// Writes `numbers` to `out` as an array with the type `dtype` and the shape `shape`.
 fn fill(out: &mut Value, dtype: DType, shape: &[usize], numbers: &[f64]) {
     let array: &mut Array = array_of(out, dtype, shape);
     if let Some(slice) = array.as_mut_slice::<f64>() {

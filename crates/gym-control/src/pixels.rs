@@ -1,4 +1,4 @@
-//! Observations that are pictures.
+//! Observations that are images.
 
 use std::fmt;
 
@@ -56,8 +56,8 @@ impl fmt::Debug for Pixels {
     }
 }
 
-/// Paints nothing. `clone` needs a painter that cannot fail; in fact the linked crate's painter is
-/// always found.
+/// Paints nothing. `clone` cannot fail, so it needs a painter even if no linked crate provides one.
+/// (In practice a linked crate does, because `new` found a painter.)
 struct Blank;
 
 impl Painter for Blank {

@@ -1,5 +1,5 @@
-//! dm_control's `tolerance`: a value from 0 to 1 for how well a number lies within bounds. Most
-//! rewards are products of such values.
+//! dm_control's `tolerance`: a function of a number with the value 1 within bounds, falling to 0
+//! outside. Most rewards are products of such values.
 //!
 //! Source: dm_control 1.0.45, `utils/rewards.py`.
 
@@ -63,13 +63,13 @@ impl Tolerance {
         }
     }
 
-    /// The value of a scalar, which numpy squares with `pow`.
+    /// Returns the value of a scalar, which numpy squares with `pow`.
     #[must_use]
     pub fn of(&self, x: f64) -> f64 {
         self.value(x, math::square)
     }
 
-    /// The value of an element of an array, which numpy squares by multiplication.
+    /// Returns the value of an element of an array, which numpy squares by multiplication.
     #[must_use]
     pub fn of_element(&self, x: f64) -> f64 {
         self.value(x, |x| x * x)
@@ -105,14 +105,15 @@ impl Tolerance {
     }
 }
 
-/// The mean of `1 - u²` over the controls; a control with `|u|` of 1 or more counts 0.
+/// Returns the mean of `1 - u²` over the controls `u`. A control with `|u|` of 1 or more counts as
+/// 0.
 #[must_use]
 pub fn small_control(controls: &[f64]) -> f64 {
     const SMALL: Tolerance = Tolerance::within(0.0, 0.0).margin(1.0, Sigmoid::Quadratic(0.0));
     mean(controls, |u| SMALL.of_element(*u))
 }
 
-/// The mean of `value` over the items, summed in numpy's order.
+/// Returns the mean of `value` over `items`, summed in numpy's order.
 pub(crate) fn mean<T>(items: &[T], value: impl Fn(&T) -> f64) -> f64 {
     gym_mujoco::tasks::numpy::sum_of(items.len(), |i| value(&items[i])) / items.len() as f64
 }
@@ -121,7 +122,7 @@ pub(crate) fn mean<T>(items: &[T], value: impl Fn(&T) -> f64) -> f64 {
 mod tests {
     use super::*;
 
-    /// From dm_control 1.0.45 with numpy 2.4.6.
+    /// The expected values are those of dm_control 1.0.45 with numpy 2.4.6.
     #[test]
     fn values_are_those_of_the_package() {
         let all = |sigmoid| Tolerance::within(0.3, 0.9).margin(1.7, sigmoid);
@@ -176,7 +177,7 @@ mod tests {
                 "{sigmoid:?}"
             );
         }
-        // a line and a parabola end at 0
+        // the linear and the quadratic sigmoid end at 0
         let outer = |sigmoid| [4.29, 4.31, 1e9, -3.71].map(|x| all(sigmoid).of(x));
         let [inside, beyond @ ..] = outer(Sigmoid::Linear(0.5));
         assert!(inside > 0.0 && inside < 0.01 && beyond == [0.0; 3]);

@@ -10,7 +10,7 @@ use gym_mujoco::{Data, Model};
 use crate::task::Task;
 use crate::world::World;
 
-/// An episode that is about to start. The data is in the model's initial configuration.
+/// An episode that is about to start. `data` is in the model's initial configuration.
 #[derive(Debug)]
 pub struct Start<'a> {
     pub(crate) world: &'a mut World,
@@ -24,7 +24,7 @@ pub struct Start<'a> {
     pub seeded: bool,
 }
 
-/// The largest number of states that are drawn until one has no contacts.
+/// The largest number of states that [`draw_apart`](Start::draw_apart) draws.
 const ATTEMPTS: usize = 10_000;
 
 impl Start<'_> {

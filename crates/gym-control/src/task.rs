@@ -88,7 +88,7 @@ const COLOURS: (&str, &str) = (
     "a reward of 0 changes no colour",
 );
 
-/// Exceptions of tasks with an argument `stand_height`.
+/// The conformance exceptions of tasks with an argument `stand_height`.
 pub(crate) const STANDING: Exceptions = &[
     LIMIT,
     COLOURS,
@@ -98,7 +98,7 @@ pub(crate) const STANDING: Exceptions = &[
     ),
 ];
 
-/// Exceptions of tasks with an argument `target_size`.
+/// The conformance exceptions of tasks with an argument `target_size`.
 pub(crate) const TARGET: Exceptions = &[
     LIMIT,
     COLOURS,
@@ -108,7 +108,7 @@ pub(crate) const TARGET: Exceptions = &[
     ),
 ];
 
-/// Exceptions of tasks whose controls have no limits.
+/// The conformance exceptions of tasks whose controls have no limits.
 pub(crate) const UNLIMITED: Exceptions = &[
     LIMIT,
     COLOURS,
@@ -118,7 +118,7 @@ pub(crate) const UNLIMITED: Exceptions = &[
     ),
 ];
 
-/// The clip of one episode on a domain's page. It shows every `every`-th state.
+/// Returns the clip on a domain's page: one episode, of which every `every`-th state is shown.
 pub(crate) const fn clip(every: u32) -> Clip {
     Clip {
         seeds: 0..1,
@@ -136,8 +136,8 @@ pub const fn register<D: Domain>(id: &'static str, description: &'static str) ->
         .lockstep_by::<ControlEnv>(vector::<D>)
 }
 
-/// Makes a native vector. Its environments share their model, unless a start changes it, so that
-/// their worlds can step together.
+/// Makes a native vector. Its environments share one model, so that their worlds can step together,
+/// unless the start of an episode changes the model.
 fn vector<D: Domain>(spec: &VectorSpec) -> Result<BoxVector> {
     vector_of(spec, build::<Of<D>>)
 }
@@ -159,7 +159,7 @@ fn vector_of(spec: &VectorSpec, make: fn(&EnvSpec) -> Result<ControlEnv>) -> Res
     }
 }
 
-/// The id of a named object, or an error if the model has no such object.
+/// Returns the id `id` of the object `name`, or an error if the model has no such object.
 ///
 /// # Errors
 /// [`Error::InvalidArgument`] if there is none.

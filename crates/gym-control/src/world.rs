@@ -1,4 +1,4 @@
-//! A model, with the variants of it that different timesteps use.
+//! A model, and its variants for different timesteps.
 
 use std::sync::Arc;
 
@@ -6,7 +6,7 @@ use gym_core::{Error, Result};
 use gym_mujoco::model::{Disable, Integrator, SensorType};
 use gym_mujoco::{CompiledModel, Data, Model, Revision, physics};
 
-/// The materials that models name: the agent, its tools, goals, fixtures and the ground.
+/// The materials that the models use: for the agent, tools, goals, fixtures and the ground.
 const LOOK: &str = r#"<mujoco><asset>
   <material name="agent" rgba="0.36 0.55 0.78 1"/><material name="tool" rgba="0.93 0.62 0.22 1"/>
   <material name="goal" rgba="0.82 0.27 0.25 0.7"/><material name="fixture" rgba="0.5 0.53 0.58 1"/>
@@ -19,17 +19,17 @@ const LOOK_AT_ONE: [[f64; 4]; 3] = [
     [0.82, 0.27, 0.25, 0.35],
 ];
 
-/// A model, and the variants that it is stepped with.
+/// A model, and its variants for different timesteps.
 #[derive(Clone, Debug)]
 pub(crate) struct World {
     pub(crate) model: Arc<Model>,
     /// The model without actuators, for computing initial states.
-    still: Arc<Model>,
+    without_actuators: Arc<Model>,
     /// The model without sensors, for timesteps whose sensors are not observed.
-    quiet: Arc<Model>,
-    /// Whether a sensor measures forces or accelerations, so that the last timestep of a step must
-    /// compute it.
-    feels: bool,
+    without_sensors: Arc<Model>,
+    /// Whether a sensor measures forces or accelerations. If so, the last timestep of a step must
+    /// compute the sensors.
+    senses_forces: bool,
 }
 
 impl World {
@@ -49,9 +49,9 @@ impl World {
         };
         let late = [SensorType::Touch];
         Ok(Self {
-            still: without(Disable::Actuation)?,
-            quiet: without(Disable::Sensor)?,
-            feels: compiled.sensor_type.iter().any(|kind| late.contains(kind)),
+            without_actuators: without(Disable::Actuation)?,
+            without_sensors: without(Disable::Sensor)?,
+            senses_forces: compiled.sensor_type.iter().any(|kind| late.contains(kind)),
             model: Model::new(compiled).map(Arc::new).map_err(wrong)?,
         })
     }
@@ -64,7 +64,7 @@ impl World {
         Ok(())
     }
 
-    /// A copy of the model whose colours show a reward: dm_control's `_set_reward_colors`.
+    /// Returns a copy of the model whose colours show `reward`: dm_control's `_set_reward_colors`.
     pub(crate) fn coloured(&self, reward: f64) -> Model {
         let mut compiled = Model::clone(&self.model).into_compiled();
         let square = reward.clamp(0.0, 1.0) * reward.clamp(0.0, 1.0);
@@ -77,14 +77,18 @@ impl World {
 
     /// Computes the derived arrays of an initial state: dm_control's `after_reset`.
     pub(crate) fn settle(&self, data: &mut Data) {
-        physics::forward(&self.still, data);
+        physics::forward(&self.without_actuators, data);
     }
 
-    /// Computes the derived arrays that a step taken together with other worlds leaves out, by
-    /// repeating its last timestep.
+    /// Repeats the last timestep of a step that was taken together with other worlds. This computes
+    /// the derived arrays that such a step skips.
     pub(crate) fn resume(&self, data: &mut Data) {
         data.rewind();
-        let last = if self.feels { &self.model } else { &self.quiet };
+        let last = if self.senses_forces {
+            &self.model
+        } else {
+            &self.without_sensors
+        };
         physics::step(last, data);
         physics::step1(&self.model, data);
     }
@@ -92,20 +96,28 @@ impl World {
     /// Advances the state by some timesteps, then computes the arrays that depend on positions and
     /// velocities: dm_control's `step`.
     pub(crate) fn step(&self, data: &mut Data, timesteps: usize) {
-        let last = if self.feels { &self.model } else { &self.quiet };
+        let last = if self.senses_forces {
+            &self.model
+        } else {
+            &self.without_sensors
+        };
         let mut steps = 0..timesteps;
-        // the first half of this timestep is already done, except after a step that was taken
-        // together
+        // `step1` of this timestep is already done, except after a step that was taken together
+        // with other worlds
         if self.model.opt.integrator != Integrator::RK4 && !data.is_behind() {
             steps.next();
-            let model = if timesteps == 1 { last } else { &self.quiet };
+            let model = if timesteps == 1 {
+                last
+            } else {
+                &self.without_sensors
+            };
             physics::step2(model, data);
         }
         for i in steps {
             let model = if i + 1 == timesteps {
                 last
             } else {
-                &self.quiet
+                &self.without_sensors
             };
             physics::substep(model, data);
         }
@@ -113,7 +125,8 @@ impl World {
     }
 }
 
-/// Converts an error. The texts are this crate's own, so only drawn constants can cause one.
+/// Converts an error of gym-mujoco. The models are this crate's own, so only drawn constants can
+/// cause an error.
 #[expect(clippy::needless_pass_by_value, reason = "`map_err` gives it")]
 fn wrong(error: gym_mujoco::Error) -> Error {
     Error::argument("model", error.to_string())

@@ -3,7 +3,7 @@
 use gym_control as _;
 use gym_core::{Env, EnvExt, RandomState, Space, Value, builder};
 
-/// Adds the observation's arrays, in the order of their keys.
+/// Adds the observation's arrays to `crc`, in the order of their keys.
 fn observe(crc: &mut crc32fast::Hasher, observation: &Value) {
     let Value::Dict(entries) = observation else {
         panic!("{observation} is not a dict");
@@ -13,7 +13,8 @@ fn observe(crc: &mut crc32fast::Hasher, observation: &Value) {
     }
 }
 
-/// The first mark of a line that differs, and what was observed in the step before.
+/// Plays the episode of a line. Returns the first checksum of the line that differs, and the
+/// observation of the step before.
 fn difference(line: &str) -> Option<String> {
     let mut words = line.split(' ');
     let (id, seed) = (words.next()?, words.next()?.parse::<u32>().unwrap());

@@ -1,4 +1,4 @@
-//! What is made by id: forms of observations, arguments, snapshots, native vectors.
+//! Environments made by id: types of observations, arguments, snapshots, native vectors.
 
 use std::collections::BTreeSet;
 use std::ops::Range;
@@ -19,7 +19,7 @@ fn ids() -> Vec<String> {
     own.map(|entry| entry.id().to_owned()).collect()
 }
 
-/// The observations and rewards of a few steps.
+/// Returns the observations and rewards of `steps` steps.
 fn play(env: &mut BoxEnv, steps: u32) -> Vec<(Value, f64)> {
     let mut actions = env.action_sampler(3).unwrap();
     let played = (0..steps).map(|_| {
@@ -160,7 +160,7 @@ fn bad_arguments_are_refused() {
     }
 }
 
-/// Also of models that a start changes.
+/// A snapshot continues in a new environment, even if the start of the episode changed the model.
 #[test]
 fn a_snapshot_continues_anywhere() {
     for id in [
@@ -213,7 +213,7 @@ fn colours_show_the_reward_where_that_is_asked() {
     assert_ne!(draw(true), draw(false));
 }
 
-/// Whether a part of a square picture of the first state has more colours than one.
+/// Whether a part of a square image of the first state has more than one colour.
 fn shows(env: EnvBuilder, side: usize, rows: Range<usize>, columns: Range<usize>) -> bool {
     let made = env.arg("pixels", side).build();
     let picture = made.unwrap().reset(1).unwrap();
@@ -228,7 +228,7 @@ fn shows(env: EnvBuilder, side: usize, rows: Range<usize>, columns: Range<usize>
 
 #[test]
 fn the_camera_follows_the_fish_and_not_its_target() {
-    // several colours of the fish, where the floor would be one or two
+    // the fish has several colours, the floor would have one or two
     assert!(shows(
         builder("dm_control/fish-swim-v0"),
         84,
@@ -296,7 +296,7 @@ fn masses_are_brought_to_rest_by_the_rule_of_lqr() {
     }
 }
 
-/// The last step of a limit truncates, also where the masses have come to rest.
+/// The last step before the time limit truncates the episode, even if the task would terminate it.
 #[test]
 fn a_limit_comes_before_the_end_of_a_task() {
     let first = |steps: f64| {
@@ -314,7 +314,7 @@ fn a_limit_comes_before_the_end_of_a_task() {
     assert_eq!(first(2.0), (true, false));
 }
 
-/// A state has as many steps as an episode can have, no more.
+/// A snapshot with more steps than the time limit is an error.
 #[test]
 fn states_beyond_the_limit_are_refused() {
     let make = || {
@@ -326,7 +326,7 @@ fn states_beyond_the_limit_are_refused() {
     play(&mut env, 10);
     let last = env.snapshot().unwrap();
     make().restore(&last).unwrap();
-    // a step after the last one is no state of an episode
+    // no episode has a state after the step that truncates it
     play(&mut env, 1);
     let beyond = env.snapshot().unwrap();
     let mut other = make();
@@ -336,7 +336,7 @@ fn states_beyond_the_limit_are_refused() {
     assert_eq!(other.snapshot().unwrap(), before);
 }
 
-/// JSON has no NaN: these come from Rust.
+/// (JSON has no NaN, so these arguments come from Rust.)
 #[test]
 fn a_start_of_no_numbers_is_refused() {
     use gym_control::ControlEnv;
@@ -361,7 +361,7 @@ fn a_start_of_no_numbers_is_refused() {
     }
 }
 
-/// Directions that are no numbers are no state of a point mass.
+/// A snapshot of a point mass whose directions are not numbers is an error.
 #[test]
 fn constants_of_a_start_are_checked() {
     let mut env = make("dm_control/point_mass-hard-v0").unwrap();
@@ -369,7 +369,7 @@ fn constants_of_a_start_are_checked() {
     let before = env.snapshot().unwrap();
     for (number, fits) in [(json!(0.5), true), (json!({"$float": "NaN"}), false)] {
         let mut stored = serde_json::to_value(&before).unwrap();
-        // the snapshot of a wrapper is a list that begins with the inner one
+        // the snapshot of a wrapper is a list that begins with the inner snapshot
         let mut inner = &mut stored;
         while inner.is_array() {
             inner = &mut inner[0];
@@ -383,7 +383,8 @@ fn constants_of_a_start_are_checked() {
     }
 }
 
-/// What the observation held before does not matter, not even as many parts of other names.
+/// The old content of the observation's buffer does not matter, even if it has the same number of
+/// parts with other names.
 #[test]
 fn an_observation_has_the_keys_of_its_task() {
     let mut seen = make("dm_control/pendulum-swingup-v0")
@@ -411,7 +412,7 @@ fn a_picture_is_as_wide_as_it_can_be() {
     }
 }
 
-/// The two directions of a point mass's forces are of length 1, and not too much alike.
+/// The two directions of a point mass's forces have the length 1, and are not too similar.
 #[test]
 fn directions_of_forces_differ() {
     let mut env = make("dm_control/point_mass-hard-v0").unwrap();

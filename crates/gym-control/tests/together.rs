@@ -15,7 +15,7 @@ fn ids() -> impl Iterator<Item = String> {
     own.map(|entry| entry.id().to_owned())
 }
 
-/// The levels of this CPU with registers of several widths.
+/// Returns SIMD levels of this CPU with registers of several widths.
 fn levels() -> Vec<Level> {
     let level = Level::new();
     let mut levels = vec![level];
@@ -26,14 +26,14 @@ fn levels() -> Vec<Level> {
     levels
 }
 
-/// The bits of what a step or a reset shows.
+/// Returns the bits of an observation and a reward.
 fn bits(seen: &Value, reward: f64) -> Vec<u64> {
     let numbers = seen.as_slice::<f64>().expect("a row of float64");
     let numbers = numbers.iter().chain([&reward]);
     numbers.map(|x| x.to_bits()).collect()
 }
 
-/// All that follows from a state.
+/// Returns the state and all derived arrays, for comparison.
 fn arrays(d: &Data) -> impl PartialEq + std::fmt::Debug + '_ {
     let numbers = [
         &d.qpos,
@@ -64,8 +64,8 @@ fn arrays(d: &Data) -> impl PartialEq + std::fmt::Debug + '_ {
     )
 }
 
-/// Worlds of each task step together and alone, with starts in between. Fewer than a register holds
-/// step by themselves.
+/// Worlds of each task step together and alone, with resets in between. Worlds that do not fill a
+/// register step alone.
 #[test]
 fn every_task_has_the_bits_of_worlds_alone() {
     for id in ids() {
@@ -130,7 +130,7 @@ fn play(made: &ControlEnv, n: usize, level: Level, what: &str) {
     }
 }
 
-/// The bits of all that a step of a vector gives back.
+/// Returns the bits of all results of a vector's step.
 fn column_bits(columns: &Columns) -> Vec<u64> {
     let flags = columns.terminated.iter().chain(&columns.truncated);
     let flags = flags.map(|flag| u64::from(*flag));
@@ -139,7 +139,7 @@ fn column_bits(columns: &Columns) -> Vec<u64> {
     numbers.map(|x| x.to_bits()).chain(flags).collect()
 }
 
-/// Native, async and sync vectors agree, with time limits and autoresets.
+/// Native, async and sync vectors give the same bits, with time limits and autoresets.
 #[test]
 fn vectors_have_the_bits_of_sync_ones() {
     let kinds = [VectorKind::Sync, VectorKind::Native, VectorKind::Async];

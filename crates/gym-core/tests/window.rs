@@ -9,7 +9,7 @@ use gym_core::render::{
 use gym_core::wrappers::Render;
 use gym_core::{Env, EnvExt, Error, Outcome, Reset, Result, Space};
 
-/// Counts its resets and its steps.
+/// An environment that counts its resets and its steps.
 #[derive(Clone, Default)]
 struct Counter {
     resets: i64,

@@ -18,8 +18,8 @@ pub enum Stop {
 /// The result of a step of generating a level.
 pub type Making<T = ()> = std::result::Result<T, Stop>;
 
-/// The largest number of random draws per episode. No level comes near it unless its objects do not
-/// fit.
+/// The largest number of random draws per episode. Only a level whose objects do not fit reaches
+/// this number.
 const MAX_CHOICES: u32 = 2_000_000;
 
 /// A rectangle: the position of its top left corner, width and height.
@@ -161,14 +161,14 @@ impl<'a> Draft<'a> {
         cell
     }
 
-    /// Gives a cell a number.
+    /// Gives a cell the next object number.
     pub fn number(&mut self, cell: Cell) -> Cell {
         self.world.things.push(Thing {
             start: NOWHERE,
             pos: NOWHERE,
             content: Cell::EMPTY,
         });
-        // a grid has at most 65,025 cells
+        // (a grid has at most 255 * 255 = 65,025 cells)
         cell.with_id(u16::try_from(self.world.things.len()).unwrap_or(u16::MAX))
     }
 

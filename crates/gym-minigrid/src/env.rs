@@ -66,7 +66,8 @@ impl GridEnv {
         let facts = Facts::new(&*level).map_err(|reason| Error::argument(name, reason))?;
         let picture = Picture::new(&facts).map_err(|reason| Error::argument(name, reason))?;
         let mut config = config.map_err(|error| Error::argument(name, error.to_string()))?;
-        // the value in use; `max_steps` stays as given, because it can depend on the mission
+        // store the value in use; `max_steps` stays as given, because the value in use can depend
+        // on the mission
         config["see_through_walls"] = facts.rules.see_through_walls.into();
         Ok(Self {
             level,
@@ -117,7 +118,7 @@ impl GridEnv {
         Ok(Episode { world, rng })
     }
 
-    /// The world that pictures show.
+    /// Returns the world that frames show: the agent already carries its pending object.
     fn shown(&self) -> Option<World> {
         let mut world = self.world()?.clone();
         world.begin();
@@ -320,7 +321,7 @@ impl Inspect for GridEnv {
     }
 }
 
-/// The entry point of levels of one type, for their registration.
+/// The entry point of levels of one type, for registrations.
 #[derive(Debug)]
 pub struct Of<L>(PhantomData<L>);
 
@@ -347,7 +348,7 @@ pub(crate) const WINDOW: (&str, &str) = (
     "a window has the size of the picture",
 );
 
-/// The registration of a level under an id, with a good policy if there is one.
+/// Returns the registration of a level under the id `id`. `policy` is the good policy.
 pub const fn register<L: Level + Arguments + Clone>(
     id: &'static str,
     description: &'static str,
@@ -366,7 +367,7 @@ pub const fn register<L: Level + Arguments + Clone>(
     }
 }
 
-/// The keys of the actions that the task has.
+/// Returns the keys of the actions in the task's action space.
 fn keys(env: &BoxEnv) -> Keys {
     let all = json!({"Left": 0, "Right": 1, "Up": 2, "P": 3, "D": 4, "Space": 5, "Enter": 6});
     let space = env.action_space();

@@ -73,7 +73,7 @@ impl Grid {
     /// The largest width and height.
     pub const MAX_SIDE: u32 = 255;
 
-    /// An empty grid.
+    /// Makes an empty grid.
     pub(crate) fn new(width: i32, height: i32) -> Self {
         Self {
             width,

@@ -24,7 +24,7 @@ fn start(env: &BoxEnv) -> Option<Controller> {
     }))
 }
 
-/// The next action on the path; `None` if there is none.
+/// Returns the next action on the path; `None` without a path.
 pub(crate) fn next_action(world: &World) -> Option<Action> {
     let (is_target, action): (Box<dyn Fn(Pos, Cell) -> bool>, _) = match &world.instr {
         Some(Instr::GoTo(object)) => (
@@ -62,8 +62,8 @@ fn is_passable(world: &World, cell: Cell) -> bool {
         || (cell.is_door(State::Locked) && has_key)
 }
 
-/// The first action on the shortest path to a position in front of a target; `action` if the agent
-/// is there.
+/// Returns the first action on the shortest path to a position in front of a target. Returns
+/// `action` if the agent is at such a position already.
 fn walk(world: &World, is_target: &dyn Fn(Pos, Cell) -> bool, action: Action) -> Option<Action> {
     let start = (world.agent, world.direction);
     let index = |(pos, direction): (Pos, u8)| {

@@ -47,7 +47,7 @@ pub(crate) struct Rooms<'d, 'a> {
     pub(crate) rooms: Vec<Room>,
 }
 
-/// The width and height of a grid of rooms, walls included.
+/// Returns the width and height of a grid of rooms, walls included.
 pub(crate) fn grid_size(room_size: u32, columns: u32, rows: u32) -> Result<[u32; 2], String> {
     let limit = 3..=crate::Grid::MAX_SIDE;
     if !limit.contains(&room_size) || columns == 0 || rows == 0 {
@@ -118,7 +118,7 @@ impl<'d, 'a> Rooms<'d, 'a> {
         })
     }
 
-    /// The index of the room in a column and row.
+    /// Returns the index of the room in column `i` and row `j`.
     pub(crate) fn index(&self, i: i32, j: i32) -> Making<usize> {
         if i < self.columns && j < self.rows {
             return Ok((j * self.columns + i) as usize);
@@ -128,7 +128,7 @@ impl<'d, 'a> Rooms<'d, 'a> {
         )))
     }
 
-    /// The index of the room that contains a position, as minigrid computes it.
+    /// Returns the index of the room that contains `pos`, as minigrid computes it.
     pub(crate) fn index_at(&self, pos: Pos) -> usize {
         let step = self.room_size - 1;
         let (i, j) = (
@@ -138,12 +138,12 @@ impl<'d, 'a> Rooms<'d, 'a> {
         (j * self.columns + i) as usize
     }
 
-    /// The room that the agent is in.
+    /// Returns the agent's room.
     pub(crate) fn agents_room(&self) -> &Room {
         &self.rooms[self.index_at(self.draft.world.agent)]
     }
 
-    /// A random column and row.
+    /// Draws the column and row of a room.
     pub(crate) fn random_room(&mut self) -> Making<(i32, i32)> {
         Ok((
             self.draft.int(0, self.columns)?,
@@ -151,13 +151,13 @@ impl<'d, 'a> Rooms<'d, 'a> {
         ))
     }
 
-    /// Whether there is a room behind a wall.
+    /// Whether there is a room behind the wall `wall` of the room `index`.
     pub(crate) fn has_neighbor(&self, index: usize, wall: usize) -> bool {
         self.rooms[index].neighbors[wall].is_some()
     }
 
-    /// The positions of the doors of each room, column by column. A door between two rooms is
-    /// listed twice.
+    /// Returns the positions of the doors of each room, column by column. A door between two rooms
+    /// appears twice.
     pub(crate) fn doors(&self) -> Vec<Pos> {
         let indices = self
             .by_column()
@@ -170,7 +170,7 @@ impl<'d, 'a> Rooms<'d, 'a> {
         .collect()
     }
 
-    /// The rooms, column by column.
+    /// Iterates over the columns and rows of the rooms, column by column.
     pub(crate) fn by_column(&self) -> impl Iterator<Item = (i32, i32)> + use<> {
         let (columns, rows) = (self.columns, self.rows);
         (0..columns).flat_map(move |i| (0..rows).map(move |j| (i, j)))
@@ -186,7 +186,7 @@ impl<'d, 'a> Rooms<'d, 'a> {
         Ok(pos)
     }
 
-    /// Places a new object in a room. A kind or colour that is `None` is drawn.
+    /// Places a new object in a room. Draws the kind or colour if it is `None`.
     pub(crate) fn add_object(
         &mut self,
         i: i32,
@@ -201,8 +201,8 @@ impl<'d, 'a> Rooms<'d, 'a> {
         Ok(cell)
     }
 
-    /// Adds a door in a wall of a room. A wall, colour or lock that is `None` is drawn. Returns the
-    /// door and its position.
+    /// Adds a door in a wall of a room. Draws the wall, the colour or `locked` if it is `None`.
+    /// Returns the door and its position.
     pub(crate) fn add_door(
         &mut self,
         i: i32,
@@ -259,7 +259,7 @@ impl<'d, 'a> Rooms<'d, 'a> {
         Ok(())
     }
 
-    /// Places the agent in a room, facing an empty cell or a wall. A room that is `None` is drawn.
+    /// Places the agent in a room, facing an empty cell or a wall. Draws the room if it is `None`.
     pub(crate) fn place_agent(&mut self, room: Option<(i32, i32)>) -> Making {
         let (i, j) = room.map_or_else(|| self.random_room(), Ok)?;
         let area = self.rooms[self.index(i, j)?].area;

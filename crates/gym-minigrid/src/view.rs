@@ -36,19 +36,20 @@ impl View {
         }
     }
 
-    /// The position of the view's column `i` and row `j`.
+    /// Returns the position of the view's column `i` and row `j` on the grid.
     pub(crate) fn place(&self, i: i32, j: i32) -> Pos {
         self.corner - self.forward * j + self.right * i
     }
 
-    /// The cells of a row.
+    /// Iterates over the cells of the view's row `j`.
     fn row(&self, grid: &Grid, j: i32) -> impl Iterator<Item = Cell> {
         let (start, right) = (self.place(0, j), self.right);
         (0..self.size).map(move |i| grid.get(start + right * i))
     }
 
-    /// For each row: the columns that the agent sees, as bits. Light enters a row from the row
-    /// below, and spreads sideways through transparent cells.
+    /// Returns for each row the columns that the agent sees, as bits. As in minigrid's
+    /// `process_vis`, light enters a row from the row below, and spreads sideways through
+    /// transparent cells.
     pub(crate) fn visible(&self, grid: &Grid, see_through_walls: bool) -> [u64; 64] {
         let size = self.size as usize;
         let all = u64::MAX >> (64 - size);
@@ -62,7 +63,7 @@ impl View {
             for (i, cell) in self.row(grid, j as i32).enumerate() {
                 clear |= u64::from(cell.see_behind()) << i;
             }
-            // the last column passes no light to the right, the first none to the left
+            // no light goes to the right of the last column, or to the left of the first column
             let right = spread(lit, clear & (all >> 1), |bits| bits << 1) & clear & (all >> 1);
             lit |= right | right << 1;
             let left = spread(lit, clear & !1, |bits| bits >> 1) & clear & !1;
@@ -94,7 +95,8 @@ impl View {
     }
 }
 
-/// The lit columns, and the columns that light reaches from them through transparent cells.
+/// Returns the columns `lit`, and the columns that light reaches from them through transparent
+/// cells (`clear`), one column per `shift`.
 fn spread(lit: u64, clear: u64, shift: impl Fn(u64) -> u64) -> u64 {
     let mut lit = lit;
     loop {

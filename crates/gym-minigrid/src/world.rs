@@ -39,7 +39,7 @@ pub(crate) struct Thing {
     pub(crate) content: Cell,
 }
 
-/// The position of a carried object.
+/// The position of an object that is not on the grid.
 pub(crate) const NOWHERE: Pos = Pos::new(-1, -1);
 
 /// The state of an episode: grid, agent, mission and step count.
@@ -175,7 +175,7 @@ impl World {
         }
     }
 
-    /// The record of a numbered object.
+    /// Returns the record of a numbered object.
     pub(crate) fn thing(&self, cell: Cell) -> Option<&Thing> {
         self.things.get(usize::from(cell.id()).checked_sub(1)?)
     }

@@ -5,7 +5,7 @@ use gym_core::{BoxEnv, Env, EnvExt, Space, Value, WrapperSpec, builder, make};
 use gym_minigrid as _;
 use gym_render as _;
 
-/// The CRC-32 of all that happened so far.
+/// The CRC-32 of all observations and rewards so far.
 #[derive(Clone, Default)]
 struct Seen(crc32fast::Hasher);
 
@@ -18,7 +18,7 @@ impl Seen {
         self.0.update(part("mission").as_text().unwrap().as_bytes());
     }
 
-    /// Every array of a wrapper's observation.
+    /// Adds every array of a wrapper's observation.
     fn parts(&mut self, observation: &Value) {
         match observation {
             Value::Dict(entries) => entries.iter().for_each(|(_, part)| self.parts(part)),
@@ -41,14 +41,14 @@ fn picture(env: &mut BoxEnv) -> String {
     format!("{:08x}", crc32fast::hash(frame.pixels()))
 }
 
-/// The generator of actions.
+/// Returns the next state of the generator of actions.
 fn next(state: u64) -> u64 {
     state
         .wrapping_mul(6_364_136_223_846_793_005)
         .wrapping_add(1_442_695_040_888_963_407)
 }
 
-/// The first mark of a line that differs.
+/// Plays the episode of a line. Returns the first checksum of the line that differs.
 fn difference(line: &str) -> Option<String> {
     let mut words = line.split(' ');
     let (id, seed) = (words.next()?, words.next()?.parse::<u64>().unwrap());
@@ -96,7 +96,7 @@ fn difference(line: &str) -> Option<String> {
 
 #[test]
 fn episodes_and_pictures_are_minigrids() {
-    // another recording can be given, such as one of all steps
+    // another recording can be given, such as a recording of all steps
     let given = std::env::var("MINIGRID_EPISODES").ok();
     let lines = given.map_or_else(
         || include_str!("episodes.txt").to_owned(),
@@ -113,7 +113,7 @@ fn episodes_and_pictures_are_minigrids() {
     );
 }
 
-/// At other tile sizes, with and without highlighting, and of what the agent sees.
+/// Covers other tile sizes, frames with and without highlighting, and frames of the agent's view.
 #[test]
 fn pictures_of_every_size_are_minigrids() {
     let lines = include_str!("pictures.txt");

@@ -1,11 +1,11 @@
-//! What is made by id: native vectors, snapshots, wrappers and good policies.
+//! Environments made by id: native vectors, snapshots, wrappers and good policies.
 
 use gym_core::vector::{Autoreset, VectorKind};
 use gym_core::{Env, EnvExt, Value, VectorEnv, VectorEnvExt, WrapperSpec, builder, make, registry};
 use gym_minigrid::{Cell, Kind, World};
 use serde_json::json;
 
-/// Also after a snapshot.
+/// Native vectors equal scalar environments, also after a snapshot.
 #[test]
 fn native_vectors_equal_scalar_environments() {
     for id in [
@@ -152,7 +152,7 @@ fn bad_arguments_are_refused() {
     }
 }
 
-/// minigrid would try for ever.
+/// (In minigrid, such a reset never ends.)
 #[test]
 fn a_grid_without_room_is_an_error() {
     for (id, name, value) in [
@@ -205,7 +205,8 @@ fn wrapped(id: &str, name: &str, kwargs: serde_json::Value) -> gym_core::BoxEnv 
     spec.wrap(make(id).unwrap()).unwrap()
 }
 
-/// Spaces hold what wrappers observe, steps after a snapshot are the same, and specs rebuild stacks.
+/// Spaces contain the wrappers' observations, a snapshot continues with the same steps, and a spec
+/// rebuilds the wrappers.
 #[test]
 fn wrappers_keep_the_rules() {
     for (name, kwargs) in [
@@ -274,7 +275,7 @@ fn a_world_is_found_through_wrappers() {
     assert_eq!(env.step(&Value::Int(2)).unwrap().reward, 0.0);
 }
 
-/// A step that the environment refuses draws nothing: the next is as if it had not been.
+/// A step that the environment refuses draws nothing, so the next step is the same as without it.
 #[test]
 fn a_refused_step_draws_nothing() {
     let make = || {
@@ -292,7 +293,7 @@ fn a_refused_step_draws_nothing() {
                 refusals += 1;
                 assert_eq!(asked.snapshot().unwrap(), before, "step {step}");
             }
-            // a random action is taken instead
+            // the wrapper has replaced the invalid action by a random action
             Ok(_) => asked.restore(&before).unwrap(),
         }
         let action = Value::Int(step % 3);
@@ -305,7 +306,7 @@ fn a_refused_step_draws_nothing() {
     assert!((5..25).contains(&refusals), "{refusals}");
 }
 
-/// Both ends of each range of a wrapper's arguments.
+/// Checks both ends of the range of each argument of the wrappers.
 #[test]
 fn the_ends_of_a_wrappers_arguments() {
     let fits = |name: &str, kwargs: serde_json::Value| {
@@ -340,7 +341,8 @@ fn the_ends_of_a_wrappers_arguments() {
     ));
 }
 
-/// An index of a longer list of seeds is refused, and changes nothing.
+/// A snapshot of a wrapper with more seeds is refused if its index is out of range, and then
+/// changes nothing.
 #[test]
 fn a_place_in_another_list_of_seeds_is_refused() {
     let of = |seeds: &[u64]| {
@@ -362,21 +364,21 @@ fn a_place_in_another_list_of_seeds_is_refused() {
     assert_eq!(other.reset(()).unwrap(), long.reset(()).unwrap());
 }
 
-/// An end counts as a death by the cell in front and by the cell of the agent.
+/// `NoDeath` looks at the cell in front of the agent, and at the agent's own cell.
 #[test]
 fn no_death_where_the_agent_stands() {
     for (kind, lives) in [("empty", true), ("lava", false)] {
         let kwargs = json!({"no_death_types": [kind], "death_cost": -0.5});
         let mut env = wrapped("MiniGrid-GoToDoor-5x5-v0", "NoDeath", kwargs);
         env.reset(0).unwrap();
-        // to declare the task done ends the episode
+        // (the action `done` ends this episode)
         let end = env.step(&Value::Int(6)).unwrap();
         let expected = if lives { (false, -0.5) } else { (true, 0.0) };
         assert_eq!((end.terminated, end.reward), expected, "{kind}");
     }
 }
 
-/// A state of another mission, or with a part outside of the grid, is refused wherever it stands.
+/// A snapshot with another mission, or with a position outside of the grid, is refused.
 #[test]
 fn states_that_no_episode_has_are_refused() {
     let mut env = make("MiniGrid-Fetch-5x5-N2-v0").unwrap();
@@ -400,7 +402,7 @@ fn states_that_no_episode_has_are_refused() {
     env.inspect_mut().unwrap().set_state(state).unwrap();
 }
 
-/// The second of two tasks is checked as the first is.
+/// `restore` checks both tasks of an instruction.
 #[test]
 fn both_tasks_of_a_state_are_checked() {
     let mut env = make("BabyAI-OpenDoorsOrderN2-v0").unwrap();

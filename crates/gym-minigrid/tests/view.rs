@@ -1,4 +1,4 @@
-//! What the agent sees, cell by cell, as minigrid's `process_vis` has it.
+//! The cells that the agent sees, compared with an implementation like minigrid's `process_vis`.
 
 use gym_core::{Env, EnvExt, builder};
 use gym_minigrid::{Pos, World};

@@ -1,5 +1,5 @@
-//! Trainings learn. A training that is killed and resumed ends like one that is not: the same
-//! weights, moments, statistics, generators and returns, bit for bit.
+//! Training improves the return. A training that is killed and resumed ends like an uninterrupted
+//! training: with the same weights, moments, statistics, generators and returns, bit for bit.
 
 use std::path::Path;
 use std::process::{Command, Stdio};

@@ -1,9 +1,9 @@
 //! Animated PNG, frame by frame, in bounded memory and with exact colours.
 //!
-//! Each image contains only the rectangle that changed. The crate `png` compresses it; this module
-//! writes the chunks around it, because the number of images stands at the start of the file and is
-//! known last. The chunks are those of the PNG specification, third edition, section 11.3.6 (acTL,
-//! fcTL, fdAT).
+//! Each image contains only the rectangle that changed. The crate `png` compresses the rectangle.
+//! This module writes the chunks itself, because the file starts with the number of images, which
+//! is known only at the end. The chunks are those of the PNG specification, third edition, section
+//! 11.3.6 (acTL, fcTL, fdAT).
 
 use std::io::{self, Seek, SeekFrom, Write};
 
@@ -26,7 +26,7 @@ pub(crate) struct Apng<W> {
     /// The numbers of images and of animation chunks so far.
     pictures: u32,
     sequence: u32,
-    /// The frame that is not written yet, and its number of repetitions.
+    /// The frame that is not written yet, and the number of frames that it lasts.
     pending: Frame,
     repeats: u32,
     /// The frame before `pending`; `None` before the first image.
@@ -111,7 +111,7 @@ impl<W: Write + Seek> Apng<W> {
 
         let place = [width, height, columns.start as u32, rows.start as u32].map(u32::to_be_bytes);
         let delay = [self.repeats as u16, self.fps as u16].map(u16::to_be_bytes);
-        // disposal: keep the image; blending: overwrite the old content
+        // disposal operation 0: keep the image; blend operation 0: overwrite the old content
         let parts: [&[u8]; 4] = [
             &self.sequence.to_be_bytes(),
             place.as_flattened(),
@@ -143,7 +143,7 @@ fn compress(file: &mut Vec<u8>, width: u32, height: u32, pixels: &[u8]) -> io::R
     encoder.set_color(ColorType::Rgb);
     encoder.set_depth(BitDepth::Eight);
     encoder.set_compression(Compression::Balanced);
-    // drawings have large plain areas: repetition compresses better than any filter
+    // drawings have large areas of one colour, which compress best without a filter
     encoder.set_filter(Filter::NoFilter);
     let written = encoder.write_header().and_then(|mut writer| {
         writer.write_image_data(pixels)?;

@@ -4,7 +4,8 @@ use std::ops::Range;
 
 use gym_core::render::Frame;
 
-/// Returns the smallest rectangle that contains every changed pixel; one pixel if none changed.
+/// Returns the columns and rows of the smallest rectangle that contains every changed pixel. If no
+/// pixel changed, the rectangle is one pixel.
 pub(crate) fn changed(old: Option<&Frame>, new: &Frame) -> (Range<usize>, Range<usize>) {
     let Some(old) = old else {
         return (0..new.width() as usize, 0..new.height() as usize);

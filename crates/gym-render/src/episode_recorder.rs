@@ -77,14 +77,14 @@ impl EpisodeRecorder {
         })
     }
 
-    /// Returns the arguments, if they have a stored form: a trigger, which is a function, and a path
-    /// that is not Unicode have none.
+    /// Returns the arguments, if they can be stored. A trigger is a function, which cannot be
+    /// stored; neither can a path that is not Unicode.
     pub(crate) fn stored(&self) -> Option<Config> {
         let stored = self.episode_trigger.is_none() && self.step_trigger.is_none();
         (stored && self.config.video_folder.to_str().is_some()).then(|| self.config.clone())
     }
 
-    /// Begins an episode: starts a recording if a trigger accepts the episode.
+    /// Begins an episode: starts a recording if the episode trigger accepts the episode.
     pub(crate) fn episode(&mut self) {
         if self.config.video_length == 0 {
             self.stop();
@@ -178,7 +178,7 @@ impl EpisodeRecorder {
     }
 }
 
-/// A clone records nothing.
+/// A clone records nothing, because two recorders cannot write one file.
 impl Clone for EpisodeRecorder {
     fn clone(&self) -> Self {
         Self {

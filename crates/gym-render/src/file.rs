@@ -40,7 +40,8 @@ impl TemporaryPath {
     /// Creates the file. [`AlreadyExists`](io::ErrorKind::AlreadyExists) if there is a file at
     /// `path`.
     fn create(path: PathBuf) -> io::Result<(File, Self)> {
-        // locked for both, so that `remove_unfinished` finds every file that exists
+        // the lock covers creation and insertion, so that `remove_unfinished` finds every file that
+        // exists
         let mut unfinished = unfinished();
         let file = OpenOptions::new()
             .read(true)
@@ -55,7 +56,8 @@ impl TemporaryPath {
     fn rename(mut self, to: PathBuf) -> io::Result<()> {
         fs::rename(&self.0, to)?;
         unfinished().remove(&self.0);
-        // another program's file may have the old name by now
+        // clear the path, so that `drop` removes nothing: another program's file may have this name
+        // by now
         self.0.clear();
         Ok(())
     }
@@ -68,15 +70,15 @@ impl Drop for TemporaryPath {
     }
 }
 
-/// Removes every temporary file of this program and ends it with the exit code `code`: for the
-/// handler of a signal, since a program that ends so drops no [`AtomicFile`].
+/// Removes every temporary file of this program and ends the program with the exit code `code`.
+/// Call it in a signal handler: a program that a signal ends drops no [`AtomicFile`].
 pub fn remove_unfinished_and_exit(code: i32) -> ! {
     let _no_new_files = remove_unfinished();
     std::process::exit(code)
 }
 
 /// Removes every temporary file of this program. Until the guard is dropped, other threads create
-/// none.
+/// no temporary files.
 fn remove_unfinished() -> MutexGuard<'static, BTreeSet<PathBuf>> {
     let unfinished = unfinished();
     for path in &*unfinished {
@@ -85,10 +87,10 @@ fn remove_unfinished() -> MutexGuard<'static, BTreeSet<PathBuf>> {
     unfinished
 }
 
-/// Where a complete file goes.
+/// The destination of a complete file.
 #[derive(Debug, PartialEq)]
 enum Destination {
-    /// The file replaces the one at this path.
+    /// The file replaces the file at this path.
     Replace(PathBuf),
     /// The bytes are written to the device or pipe at this path.
     Append(PathBuf),
@@ -167,7 +169,8 @@ fn destination(path: &Path) -> io::Result<Destination> {
         let Ok(target) = fs::read_link(&path) else {
             return Ok(Destination::Replace(path));
         };
-        // an open file of this process, such as `/dev/stdout`, to which others may write too
+        // an open file of this process, such as `/dev/stdout`, to which other programs may write
+        // too
         if folder(&path)
             .canonicalize()
             .is_ok_and(|folder| folder.starts_with("/proc"))
@@ -188,7 +191,7 @@ fn folder(path: &Path) -> &Path {
 
 /// The suffix of temporary files.
 const SUFFIX: &str = ".gym-partial";
-/// The largest part of a file's name in the name of its temporary file, in bytes.
+/// The number of bytes of a file's name that its temporary file's name may repeat.
 const MAX_START: usize = 80;
 
 /// Creates a file with a unique name in the folder of `path`, with the permissions of the file at
@@ -211,7 +214,8 @@ fn temporary(path: &Path) -> io::Result<(File, TemporaryPath)> {
             created => created?,
         };
         lock(&file);
-        // another program may have removed it as a leftover before it was locked
+        // another program may have removed the temporary file as a leftover before this program
+        // locked it
         if temporary.0.exists() {
             #[cfg(unix)]
             if let Ok(found) = fs::metadata(path) {
@@ -234,8 +238,8 @@ fn lock(file: &File) {
     }
 }
 
-/// Removes temporary files in `folder` that no running program writes. It does so once per folder,
-/// because a recording of many files would otherwise read the folder for each file.
+/// Removes temporary files in `folder` that no running program writes. Each folder is cleaned only
+/// once, because a recording of many files would otherwise read the folder for each file.
 fn remove_leftovers(folder: &Path) {
     static CLEANED: Mutex<BTreeSet<PathBuf>> = Mutex::new(BTreeSet::new());
     let Ok(folder) = folder.canonicalize() else {
@@ -259,7 +263,7 @@ fn remove_leftovers(folder: &Path) {
             && name.as_encoded_bytes().starts_with(b".")
             && name.as_encoded_bytes().ends_with(SUFFIX.as_bytes())
         {
-            // a lock may require write access; it is held until the file is removed
+            // a lock may require write access; `file` keeps the lock until the file is removed
             if let Ok(file) = OpenOptions::new().write(true).open(entry.path())
                 && file.try_lock().is_ok()
             {
@@ -324,7 +328,7 @@ mod tests {
         assert_eq!(names(&folder), ["a.txt"]);
     }
 
-    /// Names of every length that a file may have, also of letters of several bytes.
+    /// A file name may have any length up to 255 bytes, also with letters of several bytes.
     #[test]
     fn long_names_are_written() {
         let folder = TempDir::new().unwrap();
@@ -483,7 +487,7 @@ mod tests {
         }
     }
 
-    /// A folder's first file is written while another program cleans the folder.
+    /// A program does not remove the temporary file that another program is writing.
     #[cfg(unix)]
     #[test]
     fn a_file_that_is_being_written_is_no_leftover() {
@@ -516,7 +520,7 @@ mod tests {
                 "{name}"
             );
         }
-        // as many links as Linux follows, and one more
+        // Linux follows 40 links: `link40` can be written, `link41` cannot
         symlink("there/target", path("link1")).unwrap();
         for i in 2..=41 {
             symlink(format!("link{}", i - 1), path(&format!("link{i}"))).unwrap();
@@ -557,7 +561,8 @@ mod tests {
     fn devices_and_pipes_are_written_to() {
         use std::os::unix::fs::{FileTypeExt, symlink};
         let folder = TempDir::new().unwrap();
-        // without root rights, so that a failing test cannot destroy the device
+        // only the destination: an attempt to replace the device would destroy it if the test fails
+        // with root rights
         assert_eq!(
             destination(Path::new("/dev/full")).unwrap(),
             Destination::Append("/dev/full".into())
@@ -591,7 +596,7 @@ mod tests {
         assert_eq!(reader.join().unwrap(), b"through");
         assert!(fs::metadata(&pipe).unwrap().file_type().is_fifo());
 
-        // like `/dev/stdout`, redirected to a file to which others write too
+        // like `/dev/stdout`, redirected to a file to which another program writes too
         let log = folder.path().join("log");
         let mut open = File::create(&log).unwrap();
         open.write_all(b"before ").unwrap();

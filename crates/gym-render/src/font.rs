@@ -1,6 +1,6 @@
 //! A stroke font of our own, for ASCII from space to tilde.
 //!
-//! Each glyph is a few strokes on a grid, all drawn with the same pen. Coordinates are base-36
+//! Each glyph consists of strokes of one width, whose points lie on a grid. Coordinates are base-36
 //! digits, x then y, with y upwards: the baseline is at 8, lower-case letters reach m (22),
 //! capitals and digits s (28), descenders 2. A space starts the next stroke. A single point is a
 //! dot; `~` with two points is a quarter of an ellipse from the previous point to the second one,
@@ -17,7 +17,7 @@ pub(crate) const WEIGHT: f64 = 0.125;
 const BASELINE: f64 = 8.0;
 /// Height of a capital letter on the grid.
 const CAPITAL: f64 = 20.0;
-/// Distance from the rightmost pen position of a glyph to the leftmost of the next.
+/// Horizontal distance from the rightmost point of a glyph to the leftmost point of the next glyph.
 const GAP: f64 = 6.0;
 /// Length of the stroke that draws a dot: just enough to have a direction.
 const DOT: f64 = 0.1;
@@ -25,7 +25,7 @@ const DOT: f64 = 0.1;
 /// The glyph of unsupported characters: an empty box.
 const MISSING: Glyph = Glyph(12, "080scsc808");
 
-/// A glyph: the distance of its outermost pen positions, and its strokes.
+/// A glyph: the horizontal distance between its outermost points, and its strokes.
 #[derive(Clone, Copy)]
 struct Glyph(u8, &'static str);
 
@@ -154,7 +154,7 @@ pub fn text_width(text: &str, size: f64) -> f64 {
 }
 
 /// Passes the strokes of a line of text to `emit`; the caller draws them `size * WEIGHT` wide with
-/// round ends. `position` is on the baseline, `size` is the height of a capital letter.
+/// round ends. `position` lies on the baseline; `size` is the height of a capital letter.
 pub(crate) fn outline(
     text: &str,
     position: Point,

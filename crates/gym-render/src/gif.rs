@@ -4,8 +4,8 @@
 //! - Each image contains only the rectangle that changed. Its unchanged pixels are transparent or
 //!   repeat their colours, whichever takes fewer bytes. An unchanged frame extends the previous
 //!   one.
-//! - All images share one table of 255 colours, which grows as colours appear. It stands at the
-//!   start of the file and is written last.
+//! - All images share one table of 255 colours, which grows as colours appear. The table's
+//!   place is at the start of the file; it is written last.
 //! - An image has its own colour table if its new colours do not fit into the shared one. Only an
 //!   image with more than 255 colours is reduced to similar colours.
 
@@ -19,8 +19,8 @@ use gym_core::render::Frame;
 use crate::changes::changed;
 use crate::palette::{ENTRIES, Palette, Rgb, TRANSPARENT};
 
-/// The offset of the shared colour table, after signature and screen descriptor (GIF89a
-/// specification, sections 17 and 18).
+/// The offset of the shared colour table in the file, after the signature and the screen descriptor
+/// (GIF89a specification, sections 17 and 18).
 const TABLE_OFFSET: u64 = 13;
 /// Delays are in hundredths of a second (GIF89a specification, section 23).
 const TICKS_PER_SECOND: u64 = 100;
@@ -74,7 +74,7 @@ impl<W: Write + Seek> Gif<W> {
         if *frame == self.pending {
             return Ok(());
         }
-        // otherwise `pending` would be too short: the new frame replaces it
+        // otherwise the duration of `pending` would be too short: skip `pending`
         if now - self.since >= SHORTEST_DELAY {
             self.write_pending(now)?;
             match &mut self.shown {
@@ -147,7 +147,7 @@ impl<W: Write + Seek> Gif<W> {
         }
     }
 
-    /// Translates `pixels` to `entries`; returns the colour table if it is not the shared one.
+    /// Translates `pixels` to `entries`; returns the image's own colour table if it needs one.
     fn table(&mut self) -> Option<Palette> {
         if self.palette.translate(&self.pixels, &mut self.entries) {
             return None;
@@ -169,7 +169,7 @@ impl<W: Write + Seek> std::fmt::Debug for Gif<W> {
     }
 }
 
-/// Returns an image of these entries, without a position.
+/// Returns a compressed image of the entries `entries`, without size and position.
 fn compressed(entries: &[u8]) -> gif::Frame<'_> {
     let buffer = Cow::Borrowed(entries);
     let mut picture = gif::Frame {
@@ -188,7 +188,7 @@ fn colors(frame: &Frame, columns: Range<usize>, rows: Range<usize>) -> impl Iter
     rows.flat_map(move |y| &pixels[y * width..][columns.clone()])
 }
 
-/// Appends the pixels of a rectangle to `pixels`; `None` for unchanged ones.
+/// Appends the pixels of a rectangle to `pixels`: `None` for each unchanged pixel.
 fn gather(
     old: Option<&Frame>,
     new: &Frame,

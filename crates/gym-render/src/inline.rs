@@ -1,9 +1,9 @@
 //! Images in notebooks: Jupyter with the kernel `evcxr`.
 //!
-//! The kernel calls `evcxr_display` on the value of a cell, if it has that method, and shows the
-//! text that it prints between two marks (evcxr's documentation, "Custom display of user types").
-//! If a notebook's first cell uses `?`, the kernel uses `{:?}` instead: let the first cell only
-//! define something, as in `docs/notebook.ipynb`.
+//! The kernel calls `evcxr_display` on the value of a cell, if the value has this method, and shows
+//! the text that `evcxr_display` prints between two marks (evcxr's documentation, "Custom display
+//! of user types"). If a notebook's first cell uses `?`, the kernel prints the value with `{:?}`
+//! instead. Therefore the first cell should only contain definitions, as in `docs/notebook.ipynb`.
 
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
@@ -25,7 +25,7 @@ use crate::{Plot, Video, VideoFormat, png};
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Inline {
     mime: &'static str,
-    /// Plain text, or a PNG in base64.
+    /// The text of HTML or SVG, or a PNG in base64.
     content: String,
 }
 

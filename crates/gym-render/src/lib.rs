@@ -33,6 +33,7 @@
 
 mod apng;
 mod changes;
+mod downscale;
 mod draw_log;
 mod episode_recorder;
 pub mod file;
@@ -52,7 +53,6 @@ mod raster;
 mod record_vector_video;
 mod record_video;
 mod recorder;
-mod sheet;
 mod skia;
 mod svg;
 #[cfg(test)]

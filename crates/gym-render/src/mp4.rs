@@ -21,7 +21,7 @@ struct Ffmpeg(Child);
 
 impl Drop for Ffmpeg {
     fn drop(&mut self) {
-        // both fail if the program has already ended
+        // both calls fail if the program has already ended
         let _ = self.0.kill();
         let _ = self.0.wait();
     }
@@ -30,7 +30,7 @@ impl Drop for Ffmpeg {
 /// H.264's limit of width and height in `libx264`.
 pub(crate) const MAX_SIDE: u32 = 16_384;
 
-/// Returns why MP4 cannot be written, if `ffmpeg` is missing.
+/// Returns an error if `ffmpeg` is missing.
 pub(crate) fn available() -> Result<(), &'static str> {
     let [stdin, stdout, stderr] = std::array::from_fn(|_| Stdio::null());
     match Command::new(PROGRAM)
@@ -90,7 +90,7 @@ impl Mp4 {
         let Some(pipe) = &mut self.ffmpeg.0.stdin else {
             return Err(io::Error::other("the pipe to `ffmpeg` is closed"));
         };
-        // a broken pipe has no reason, but the output of `ffmpeg` does
+        // the error of a broken pipe does not say why `ffmpeg` ended; the output of `ffmpeg` does
         pipe.write_all(frame.pixels())
             .or_else(|error| self.wait().and(Err(error)))
     }

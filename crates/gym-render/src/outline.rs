@@ -2,12 +2,13 @@
 
 use gym_core::canvas::{Point, Segment, Shape};
 
-/// The length of the control arms of a cubic curve that approximates a quarter of a unit circle:
-/// `4/3 (sqrt(2) - 1)`, which puts the curve's middle on the circle.
+/// The distance from an end of a cubic Bézier curve to its control point, if the curve approximates
+/// a quarter of a unit circle: `4/3 (sqrt(2) - 1)`. With this distance the curve's middle lies on
+/// the circle.
 const QUARTER_ARM: f64 = 0.552_284_749_830_793_4;
 
 /// Returns a quarter of an ellipse from `from` to `to`, whose tangents at the ends meet in
-/// `corner`. If the sides are not perpendicular, the result is its affine image.
+/// `corner`. If the tangents are not perpendicular, the result is an affine image of the quarter.
 pub(crate) fn quarter(from: Point, corner: Point, to: Point) -> Segment {
     let arm = |end: Point| [0, 1].map(|i| end[i] + QUARTER_ARM * (corner[i] - end[i]));
     Segment::Cubic(arm(from), arm(to), to)

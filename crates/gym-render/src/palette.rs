@@ -14,7 +14,7 @@ pub(crate) const ENTRIES: usize = 256;
 pub(crate) const TRANSPARENT: u8 = 0;
 /// The number of most frequent colours that a reduced colour table contains unchanged.
 const COMMON: usize = 128;
-/// The approximate number of colours that the quantizer for the other entries is trained with.
+/// The approximate number of training colours for the quantizer, which chooses the other entries.
 const LESSONS: usize = 6000;
 
 /// Up to 255 colours in the order of their first use, numbered from 1.
@@ -42,8 +42,8 @@ impl Palette {
         self.table.len().max(2).next_power_of_two() * 3
     }
 
-    /// Translates `pixels` to `entries`, `None` to [`TRANSPARENT`], and adds new colours. If there
-    /// is no room for all of them, it adds none and returns false.
+    /// Translates `pixels` to `entries`, `None` to [`TRANSPARENT`], and adds new colours. If the
+    /// table has no room for all new colours, `translate` adds none of them and returns false.
     pub(crate) fn translate(&mut self, pixels: &[Option<Rgb>], entries: &mut Vec<u8>) -> bool {
         let known = self.table.len();
         entries.clear();
@@ -62,9 +62,10 @@ impl Palette {
         true
     }
 
-    /// Replaces [`TRANSPARENT`] by the entries of the true colours, and adds missing colours. It
-    /// returns false and adds none if there is no room for all of them, if a reduced palette only
-    /// has a similar colour, or if no pixel is transparent.
+    /// Copies `entries` to `filled`, with [`TRANSPARENT`] replaced by the entries of the true
+    /// colours, and adds missing colours. Returns false and adds no colour if the table has no room
+    /// for all missing colours, if a reduced palette has only a similar colour, or if no pixel is
+    /// transparent.
     pub(crate) fn fill<'a>(
         &mut self,
         entries: &[u8],
@@ -108,8 +109,8 @@ impl Palette {
     }
 
     /// Returns a palette of 255 colours and translates `pixels` to its entries. The most frequent
-    /// colours are unchanged. The other colours are approximated; each counts once, however
-    /// frequent.
+    /// colours are unchanged. The other colours are approximated; the quantizer counts each of them
+    /// once.
     pub(crate) fn reduce(pixels: &[Option<Rgb>], entries: &mut Vec<u8>) -> Self {
         let mut counts = HashMap::<Rgb, usize>::new();
         for color in pixels.iter().flatten() {
@@ -223,8 +224,8 @@ mod tests {
         assert!(!reduced.fill(&[TRANSPARENT], [*near].iter(), &mut filled));
     }
 
-    /// The pixels that a moving pole uncovers: a few pixels of sky, whose rows each have another
-    /// colour, and many pixels of the pole.
+    /// The pixels that a moving pole uncovers: a few pixels of sky, with another colour in each
+    /// row, and many pixels of the pole.
     #[test]
     fn rare_colours_are_near_and_common_ones_stay() {
         let sky = (0..150_u8).map(|y| [90 + y / 2, 140 + y / 2, 190 + y / 4]);

@@ -8,8 +8,8 @@ use gym_core::render::Frame;
 /// Bytes of a pixel.
 pub(crate) const RGB: usize = 3;
 /// Edges of rectangles are rounded to quarters of a pixel, like those of other shapes in
-/// `tiny-skia` (its `SUPERSAMPLE_SHIFT` is 2). So adjacent shapes fit together, and the few shades
-/// along edges fit into a GIF's colour table.
+/// `tiny-skia` (its `SUPERSAMPLE_SHIFT` is 2). Therefore adjacent shapes fit together, and the
+/// edges have few shades, which fit into a GIF's colour table.
 const SUBPIXELS: usize = 4;
 
 /// Covers the whole frame with a colour; a translucent colour blends.
@@ -18,8 +18,8 @@ pub(crate) fn clear(frame: &mut Frame, color: Color) {
     blend_run(pixels, 0..pixels.len() / RGB, color, 255);
 }
 
-/// Blends a colour into the rectangle between two corners. A partly covered pixel gets its covered
-/// part, in sixteenths.
+/// Blends a colour into the rectangle between two corners. The coverage of a pixel is a multiple of
+/// 1/16.
 pub(crate) fn fill_box(frame: &mut Frame, min: Point, max: Point, color: Color) {
     let (width, height) = (frame.width() as usize, frame.height() as usize);
     let columns = shares(min[0], max[0], width);
@@ -38,16 +38,16 @@ pub(crate) fn fill_box(frame: &mut Frame, min: Point, max: Point, color: Color) 
     }
 }
 
-/// Splits the pixels that an interval touches into three runs (the first pixel, the complete ones,
-/// the last pixel), each with the covered part of its pixels. The interval's ends are rounded to 1
-/// / [`SUBPIXELS`] of a pixel.
+/// Splits the pixels that the interval from `min` to `max` touches into three runs: the first
+/// pixel, the complete pixels, the last pixel. Each run has the fraction of its pixels that the
+/// interval covers. `min` and `max` are rounded to 1 / [`SUBPIXELS`] of a pixel.
 fn shares(min: f64, max: f64, count: usize) -> [(Range<usize>, f64); 3] {
     const PARTS: f64 = SUBPIXELS as f64;
     let snap = |at: f64| ((at * PARTS).round() / PARTS).clamp(0.0, count as f64);
     let (min, max) = (snap(min.min(max)), snap(min.max(max)));
     let (first, last) = (min as usize, max as usize);
     if first == last {
-        // NaN ends here too, as 0..0
+        // (for NaN, every run is empty)
         return [
             (first..(first + 1).min(count), max - min),
             (0..0, 0.0),
@@ -84,7 +84,7 @@ pub(crate) fn fill_run(row: &mut [u8], pixels: Range<usize>, Color { r, g, b, ..
     if r == g && g == b {
         return run.fill(r);
     }
-    // in words, because the compiler would otherwise write single bytes
+    // write words of 8 bytes: in a loop over pixels the compiler writes single bytes
     let word = |i: usize| u64::from_ne_bytes(std::array::from_fn(|j| [r, g, b][(8 * i + j) % RGB]));
     let group = [word(0), word(1), word(2)];
     let mut groups = run.chunks_exact_mut(8 * RGB);
@@ -108,7 +108,7 @@ pub(crate) fn blend(pixel: &mut [u8], Color { r, g, b, a }: Color, coverage: u8)
     }
 }
 
-/// Returns the product of two fractions in 255ths, rounded.
+/// Returns the rounded product of two fractions, all in 255ths.
 fn scale(a: u8, b: u8) -> u8 {
     ((u32::from(a) * u32::from(b) + 127) / 255) as u8
 }

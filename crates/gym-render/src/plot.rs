@@ -1,7 +1,7 @@
 //! Line plots of training runs, as SVG and PNG.
 //!
-//! They are drawn on this project's [`Canvas`]: `plotters`, the usual library, needs a font file to
-//! draw text into pixels, and here one drawing gives both formats.
+//! Plots are drawn on this project's [`Canvas`], so that one drawing gives both formats. (The usual
+//! library, `plotters`, needs a font file to draw text as pixels.)
 
 use std::path::Path;
 
@@ -44,8 +44,8 @@ const LARGEST: f64 = 1e300;
 const INK: Color = Color::rgb(50, 50, 50);
 const AXIS: Color = Color::rgb(130, 130, 130);
 const GRID: Color = Color::rgb(232, 232, 232);
-/// The colours of Okabe and Ito, "Color Universal Design" (2008), which are distinguishable with
-/// colour blindness.
+/// The colours of Okabe and Ito, "Color Universal Design" (2008). Colour-blind people can
+/// distinguish them.
 const COLORS: [Color; 6] = [
     Color::rgb(0, 114, 178),
     Color::rgb(213, 94, 0),
@@ -111,7 +111,7 @@ impl Plot {
         let both = runs.into_iter().fold(
             (returns, lengths),
             |(above, below), (name, returns, lengths)| {
-                // only the upper plot has a legend
+                // an empty name has no entry in the legend: only the upper plot has a legend
                 (above.series(name, returns), below.series("", lengths))
             },
         );
@@ -263,7 +263,7 @@ impl Plot {
             Align::Center,
             INK,
         );
-        // a quarter turn: the text runs upwards
+        // turned by 90°: the text runs upwards
         canvas.push(Transform {
             x: [0.0, -1.0],
             y: [1.0, 0.0],
@@ -298,7 +298,7 @@ impl Plot {
             .ticks()
             .map(|tick| font::text_width(&y.label(tick), TICK_SIZE))
             .fold(0.0, f64::max);
-        // integers keep the grid lines sharp
+        // with an integer `left`, grid lines are sharp
         let left = (LEFT + labels + TICK_GAP).ceil();
         Area {
             min: [left, top],
@@ -308,7 +308,7 @@ impl Plot {
         }
     }
 
-    /// Returns the names and colours of the series, in rows that fit into the width.
+    /// Returns the names and colours of the series, in rows that fit into the plot's width.
     fn legend(&self) -> Vec<Vec<(&str, Color)>> {
         let mut rows: Vec<Vec<_>> = Vec::new();
         let mut free = 0.0;
@@ -357,7 +357,7 @@ fn is_drawn(value: f64) -> bool {
     value.abs() <= LARGEST
 }
 
-/// Returns the range of the finite values with some padding.
+/// Returns the range of the finite values, extended by [`PADDING`].
 fn padded(values: impl Iterator<Item = f64>) -> (f64, f64) {
     let (min, max) = values
         .filter(|&value| is_drawn(value))
@@ -443,7 +443,7 @@ impl Axis {
         (first..=last).map(move |index| index as f64 * self.step)
     }
 
-    /// Returns the position of a value between the ends, from 0 to 1.
+    /// Returns the position of `value` on the axis: 0 at `min`, 1 at `max`.
     fn part(self, value: f64) -> f64 {
         (value - self.min) / (self.max - self.min)
     }
@@ -492,7 +492,7 @@ impl Area {
         canvas.stroke(Shape::Polyline(&[min, [min[0], max[1]], max]), 1.0, AXIS);
     }
 
-    /// Draws a line through `values`, interrupted at non-finite ones.
+    /// Draws a line through `values`, interrupted at non-finite values.
     fn draw_line(&self, canvas: &mut dyn Canvas, values: &[f64], width: f64, color: Color) {
         let points: Vec<Point> = (1_u32..)
             .zip(values)
@@ -512,7 +512,8 @@ impl Area {
         }
     }
 
-    /// If points are much denser than pixels, keeps only the lowest and the highest of each group.
+    /// If points are much denser than pixels, returns only the lowest and the highest point of each
+    /// group.
     fn thin(&self, points: &[Point]) -> Vec<Point> {
         let columns = ((self.max[0] - self.min[0]) * f64::from(PNG_SCALE)) as usize;
         let group = points.len() / columns;
@@ -653,7 +654,7 @@ pop
 
     #[test]
     fn the_average_is_the_mean_of_each_window() {
-        // integers, whose sums are exact in any order
+        // integers: their sums are exact in any order
         let values: Vec<f64> = (0..40)
             .map(|i| {
                 if i % 7 == 3 {
@@ -684,8 +685,8 @@ pop
         }
     }
 
-    /// A million returns with a window of half of them take minutes if each mean is summed
-    /// separately.
+    /// The cost does not depend on the window: a million values with a window of 500,000 would take
+    /// minutes if each mean were summed separately.
     #[test]
     fn a_large_window_costs_no_more_than_a_small_one() {
         let means = moving_average(&vec![2.0; 1_000_000], 500_000);
@@ -732,8 +733,8 @@ pop
         );
     }
 
-    /// The drawing calls of a plot: after an intended change, look at a plot before you store the
-    /// new calls.
+    /// The drawing calls of a plot: after an intended change, look at a plot before you change the
+    /// expected calls.
     #[test]
     fn axes_have_their_lines_and_labels() {
         let plot = Plot::new("title")
@@ -756,7 +757,7 @@ pop
         assert!(text.contains(&format!("origin=0,{height}")) && text.matches("clear").count() == 1);
     }
 
-    /// An image of many plots shows them below each other, and takes as long as they do.
+    /// An image of many plots contains each plot's own pixels, below each other.
     #[test]
     fn a_picture_of_many_plots_is_one_of_each() {
         let folder = tempfile::TempDir::new().unwrap();

@@ -29,8 +29,8 @@ pub fn write_png(path: impl AsRef<Path>, frame: &Frame) -> Result<()> {
     file.commit()
 }
 
-/// Writes `frames` below each other to one PNG file, each as soon as it is drawn. `size` is the
-/// width of each frame, and the sum of the heights.
+/// Writes `frames` below each other to one PNG file; the iterator draws each frame only when it is
+/// needed. `size` is the common width of the frames and the sum of their heights.
 ///
 /// # Errors
 /// The errors of [`write_png`], and those of `frames`.
@@ -121,7 +121,7 @@ pub(crate) fn tile(frames: &[Frame], columns: usize, gap: u32) -> Result<Frame> 
     let width = frames.iter().map(Frame::width).max().unwrap_or(0);
     let height = frames.iter().map(Frame::height).max().unwrap_or(0);
     let (cell_width, cell_height) = (gap + width, gap + height);
-    // a side that overflows is refused like the largest possible side
+    // (a side that overflows becomes `u32::MAX`, which [`Frame::new`] refuses)
     let side = |cells: usize, cell| {
         u32::try_from(cells).map_or(u32::MAX, |n| n.saturating_mul(cell).saturating_add(gap))
     };

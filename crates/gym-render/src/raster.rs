@@ -5,9 +5,9 @@ use gym_core::pygame::{self, UPRIGHT};
 use gym_core::render::{Frame, Painter, PainterProvider};
 use gym_core::{Result, inventory};
 
+use crate::downscale::{DownscaledSurface, MAX_FACTOR};
 use crate::pixels;
 use crate::pygame::{RgbPixels, is_in_reach, paint};
-use crate::sheet::{MOST_SHRUNK, Sheet};
 use crate::skia::{self, Skia};
 use crate::transforms::Transforms;
 
@@ -24,7 +24,7 @@ inventory::submit! {
 #[derive(Debug)]
 pub struct Raster {
     transforms: Transforms,
-    sheet: Sheet,
+    downscaled: DownscaledSurface,
     skia: Skia,
 }
 
@@ -33,7 +33,7 @@ impl Raster {
     pub fn new() -> Self {
         Self {
             transforms: Transforms::new(),
-            sheet: Sheet::default(),
+            downscaled: DownscaledSurface::default(),
             skia: Skia::default(),
         }
     }
@@ -64,7 +64,7 @@ impl Painter for Raster {
             frame,
             is_own_size,
             is_blank: true,
-            sheet: None,
+            downscaling: None,
         };
         draw(&mut surface);
         surface.finish();
@@ -93,10 +93,10 @@ struct Surface<'a> {
     frame: &'a mut Frame,
     /// Whether a unit of the drawing is a pixel of the frame.
     is_own_size: bool,
-    /// Whether nothing is drawn yet, so that the frame still has old content.
+    /// Whether the frame still has the content of an earlier drawing.
     is_blank: bool,
-    /// While a surface to reduce is drawn: the depth of transforms at which it began.
-    sheet: Option<usize>,
+    /// While a [`DownscaledSurface`] is drawn: the depth of transforms at which it began.
+    downscaling: Option<usize>,
 }
 
 impl Surface<'_> {
@@ -107,14 +107,14 @@ impl Surface<'_> {
         }
     }
 
-    /// Called before a shape that is not pygame's. It reduces the surface drawn so far; later
-    /// shapes are drawn by `tiny-skia`.
+    /// Prepares for a shape that `tiny-skia` draws. Writes the downscaled surface, if there is one,
+    /// to the frame; `tiny-skia` draws all later shapes too.
     fn start_smooth(&mut self) {
         self.start();
-        if let Some(depth) = self.sheet.take() {
-            self.raster.sheet.finish(self.frame);
+        if let Some(depth) = self.downscaling.take() {
+            self.raster.downscaled.finish(self.frame);
             let scale = |to: u32, from: usize| f64::from(to) / from as f64;
-            let (width, height) = self.raster.sheet.size();
+            let (width, height) = self.raster.downscaled.size();
             let scale = Transform::scale(
                 scale(self.frame.width(), width),
                 scale(self.frame.height(), height),
@@ -125,16 +125,17 @@ impl Surface<'_> {
 
     fn finish(&mut self) {
         self.start();
-        if self.sheet.take().is_some() {
-            self.raster.sheet.finish(self.frame);
+        if self.downscaling.take().is_some() {
+            self.raster.downscaled.finish(self.frame);
         }
     }
 
-    /// Returns how pygame's calls map to the pixels of a surface: the number of columns left of the
-    /// frame, and whether row 0 is the lowest. `None` if a unit is not a pixel.
+    /// Returns the number of the surface's columns left of the frame, and whether row 0 is the
+    /// bottom row. `None` if a unit of the drawing is not a pixel: pygame's calls then need
+    /// `tiny-skia`.
     fn placed(&self) -> Option<(i32, bool)> {
-        let height = match self.sheet {
-            Some(_) => self.raster.sheet.size().1 as f64,
+        let height = match self.downscaling {
+            Some(_) => self.raster.downscaled.size().1 as f64,
             None if self.is_own_size => f64::from(self.frame.height()),
             None => return None,
         };
@@ -148,14 +149,15 @@ impl Surface<'_> {
         };
         let placed = x == UPRIGHT.x && y == bottom.y && origin[1] == bottom.origin[1];
         let whole = left >= 0.0 && left <= f64::from(i16::MAX) && left.fract() == 0.0;
-        (placed && whole && (left == 0.0 || self.sheet.is_none())).then_some((left as i32, flipped))
+        (placed && whole && (left == 0.0 || self.downscaling.is_none()))
+            .then_some((left as i32, flipped))
     }
 }
 
 impl Canvas for Surface<'_> {
     fn clear(&mut self, color: Color) {
-        if self.sheet.is_some() && color.a == 255 {
-            self.raster.sheet.clear(color);
+        if self.downscaling.is_some() && color.a == 255 {
+            self.raster.downscaled.clear(color);
         } else if color.a == 255 {
             self.is_blank = false;
             pixels::clear(self.frame, color);
@@ -215,7 +217,7 @@ impl Canvas for Surface<'_> {
 
     fn pop(&mut self) {
         if self
-            .sheet
+            .downscaling
             .is_some_and(|depth| self.raster.transforms.depth() == depth)
         {
             self.finish();
@@ -227,8 +229,8 @@ impl Canvas for Surface<'_> {
         match self.placed() {
             Some((left, flipped)) if color.a == 255 && is_in_reach(&primitive) => {
                 self.start();
-                if self.sheet.is_some() {
-                    self.raster.sheet.push(&primitive, color, flipped);
+                if self.downscaling.is_some() {
+                    self.raster.downscaled.push(&primitive, color, flipped);
                 } else {
                     paint(
                         &mut RgbPixels::new(self.frame, left, flipped),
@@ -238,8 +240,8 @@ impl Canvas for Surface<'_> {
                 }
             }
             _ => match primitive {
-                // pixels on the polygon's edges belong to it at any size, so that neighbours leave
-                // no gap
+                // pygame's polygons include the pixels on their edges, so that adjacent polygons
+                // leave no gap: draw the edges too
                 Primitive::Polygon(points) => {
                     self.fill(Shape::Polygon(points), color);
                     let pixel = 1.0 / skia::scale(self.raster.transforms.current());
@@ -254,16 +256,16 @@ impl Canvas for Surface<'_> {
         const LARGEST: u32 = 16_384;
         let shrinks = to.0 < from.0 && to.1 < from.1 && from.0.max(from.1) <= LARGEST;
         let shrinks = shrinks && to == (self.frame.width(), self.frame.height());
-        let most = |to: u32| to as usize * MOST_SHRUNK;
+        let most = |to: u32| to as usize * MAX_FACTOR;
         let shrinks = shrinks && from.0 as usize <= most(to.0) && from.1 as usize <= most(to.1);
         let is_exact = self.is_own_size
-            && self.sheet.is_none()
+            && self.downscaling.is_none()
             && shrinks
             && self.raster.transforms.current() == Transform::IDENTITY;
         if is_exact {
             self.raster.transforms.push_anew(Transform::IDENTITY);
-            self.sheet = Some(self.raster.transforms.depth());
-            self.raster.sheet.begin(from);
+            self.downscaling = Some(self.raster.transforms.depth());
+            self.raster.downscaled.begin(from);
         } else {
             let scale = |from: u32, to: u32| f64::from(to) / f64::from(from.max(1));
             self.push(Transform::scale(scale(from.0, to.0), scale(from.1, to.1)));
@@ -376,7 +378,7 @@ mod tests {
             [0, 255, 255, 0]
         );
         assert_eq!([3, 4].map(|x| pixel(&image, x, 15)[0]), [0, 255]);
-        // a round join cuts off the outer corner, but less than a bevel
+        // a round join covers a part of the outer corner, a bevel would cover less
         assert!(pixel(&image, 13, 16)[0] < 128 && pixel(&image, 12, 16)[0] > 200);
     }
 
@@ -409,7 +411,7 @@ mod tests {
             canvas.push(Transform::y_up(20.0));
             canvas.push(Transform::translate(10.0, 5.0));
             canvas.push(Transform::rotate(TURN / 4.0));
-            // along x, which now points up in the image
+            // this rectangle extends along x, which points up in the image
             canvas.polygon(
                 &[[0.0, -1.0], [8.0, -1.0], [8.0, 1.0], [0.0, 1.0]],
                 Color::WHITE,
@@ -450,7 +452,7 @@ mod tests {
     fn translucent_shapes_mix_once() {
         let image = frame((10, 10), |canvas| {
             canvas.clear(Color::WHITE);
-            // the stroke crosses itself
+            // the stroke overlaps itself
             let zigzag = [[0.0, 5.0], [10.0, 5.0], [0.0, 5.0], [10.0, 5.0]];
             canvas.stroke(Shape::Polyline(&zigzag), 4.0, Color::BLACK.alpha(51));
         });

@@ -160,8 +160,9 @@ impl<V: VectorEnv> RecordVectorVideo<V> {
     }
 }
 
-/// Returns the number of columns of a full grid whose aspect ratio is nearest to `aspect_ratio`:
-/// Gymnasium's `_get_concat_frame_shape`, which has no more rows than columns.
+/// Returns the number of columns of the grid without empty cells whose aspect ratio is nearest to
+/// `aspect_ratio`. As in Gymnasium's `_get_concat_frame_shape`, the grid has no more rows than
+/// columns.
 fn columns(frames: &[Frame], aspect_ratio: f64) -> usize {
     let n = frames.len();
     let Some(first) = frames.first() else {

@@ -48,7 +48,7 @@ gym_core::register_wrapper!(
 pub struct RecordVideo<E: Env = BoxEnv> {
     env: E,
     recorder: EpisodeRecorder,
-    /// The frames that were taken from the environment's list and that `render` returns.
+    /// The frames taken from the environment's list. The next `render` returns them.
     list: Vec<Frame>,
     /// The last frame; the next frame reuses its memory.
     rendered: Rendered,

@@ -1,7 +1,8 @@
 //! Antialiased shapes, by `tiny-skia`.
 //!
-//! It computes the coverage of each pixel in a mask no larger than the shape; this module blends
-//! the colour, run by run. Frames repeat most of their shapes, so the runs of a shape are cached.
+//! `tiny-skia` computes the coverage of each pixel in a mask no larger than the shape. This module
+//! blends the colour into runs of pixels with equal coverage. Frames repeat most shapes of earlier
+//! frames, so the runs of each shape are cached.
 
 use std::collections::HashMap;
 use std::hash::{BuildHasherDefault, Hasher};
@@ -13,7 +14,7 @@ use tiny_skia::{FillRule, LineCap, LineJoin, Mask, Path, PathBuilder, Stroke};
 use crate::outline::outline;
 use crate::{font, pixels};
 
-/// The largest side of a mask; larger shapes are divided.
+/// The largest side of a mask. Larger shapes are drawn in several masks.
 const LARGEST: u32 = 4096;
 
 /// Shapes that extend beyond this distance from the frame's corner, in pixels, are not drawn:
@@ -23,7 +24,8 @@ const REACH: f32 = 32_768.0;
 /// Draws antialiased shapes, with a cache of their runs.
 #[derive(Debug, Default)]
 pub(crate) struct Skia {
-    /// The runs of each shape; the key contains everything that decides them.
+    /// The runs of each shape. The key consists of all parameters of the shape, its transform and
+    /// the frame's size.
     known: HashMap<Box<[u64]>, Box<[Run]>, BuildHasherDefault<WordHasher>>,
     /// The size of `known` in words of 8 bytes.
     words: usize,
@@ -32,7 +34,7 @@ pub(crate) struct Skia {
     runs: Vec<Run>,
 }
 
-/// Neighbouring pixels of a row with equal coverage, in 255ths.
+/// Adjacent pixels of a row with equal coverage, in 255ths.
 #[derive(Clone, Copy, Debug)]
 struct Run {
     x: u16,
@@ -42,7 +44,8 @@ struct Run {
 }
 
 impl Skia {
-    /// The cache is cleared at this size, 2 MB: a drawing that fills it does not repeat its shapes.
+    /// The number of words (2 MB) at which the cache is cleared: a drawing that fills the cache
+    /// does not repeat its shapes.
     const MOST: usize = 1 << 18;
 
     /// Fills a shape.
@@ -114,7 +117,7 @@ impl Skia {
         });
     }
 
-    /// Adds frame and transform to the key.
+    /// Adds the frame's size and the transform to the key.
     fn place(&mut self, frame: &Frame, Transform { x, y, origin }: Transform) {
         self.key
             .push(u64::from(frame.width()) << 32 | u64::from(frame.height()));
@@ -201,7 +204,8 @@ fn lay(frame: &mut Frame, runs: &[Run], color: Color) {
     }
 }
 
-/// Uses words as their own hash: keys come from drawings, which do not attack the hash map.
+/// A fast hash without protection against attacks: the keys come from drawings, not from an
+/// attacker.
 #[derive(Default)]
 struct WordHasher(u64);
 
@@ -233,7 +237,7 @@ fn skia(Transform { x, y, origin }: Transform) -> tiny_skia::Transform {
     tiny_skia::Transform::from_row(sx, ky, kx, sy, tx, ty)
 }
 
-/// Returns the path that `draw` emits; `None` if it is empty or has a non-finite number.
+/// Returns the path that `draw` emits; `None` if the path is empty or has a non-finite number.
 fn path(draw: impl FnOnce(&mut dyn FnMut(Segment))) -> Option<Path> {
     let mut path = PathBuilder::new();
     let xy = |[x, y]: Point| (x as f32, y as f32);
@@ -261,7 +265,7 @@ pub(crate) fn scale(transform: Transform) -> f64 {
 fn visible(width: f64, transform: Transform, color: Color) -> Option<(f64, Color)> {
     let scale = scale(transform);
     let pixels = width * scale;
-    // also excludes NaN
+    // (the negation also excludes NaN)
     if !(pixels > 0.0 && pixels <= f64::from(2.0 * REACH)) {
         return None;
     }
@@ -321,7 +325,7 @@ fn fill_path(frame: &Frame, path: Option<Path>, emit: &mut dyn FnMut(Run)) {
                 let mut x = left;
                 for run in row.chunk_by(|a, b| a == b) {
                     if run[0] != 0 {
-                        // nothing lies beyond [`REACH`]
+                        // coordinates fit into 16 bits, because no shape extends beyond [`REACH`]
                         emit(Run {
                             x: x as u16,
                             y: y as u16,

@@ -124,7 +124,7 @@ pub fn write_svg(
     file::write(path, svg(size, draw).as_bytes())
 }
 
-/// Returns element name and geometry of a shape.
+/// Returns the element name and the geometry attributes of a shape.
 fn geometry(shape: Shape<'_>) -> String {
     let list = |points: &[Point]| {
         points

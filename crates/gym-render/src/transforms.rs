@@ -2,7 +2,8 @@
 
 use gym_core::canvas::Transform;
 
-/// The transforms that were pushed and not yet popped, composed.
+/// The stack of the transforms between `push` and `pop`. Each entry is composed with all entries
+/// below it.
 #[derive(Clone, Debug)]
 pub(crate) struct Transforms {
     current: Transform,
@@ -24,7 +25,8 @@ impl Transforms {
         self.outer.clear();
     }
 
-    /// Returns the transform from the innermost coordinates to the outermost.
+    /// Returns the transform from the coordinates of the current drawing to the coordinates of the
+    /// canvas.
     pub(crate) fn current(&self) -> Transform {
         self.current
     }
@@ -34,18 +36,18 @@ impl Transforms {
         self.current = self.current.then(inner);
     }
 
-    /// Replaces the current transform until the matching `pop`.
+    /// Replaces the current transform by `transform` until the matching `pop`.
     pub(crate) fn push_anew(&mut self, transform: Transform) {
         self.outer.push(self.current);
         self.current = transform;
     }
 
-    /// Returns the number of pushes without a pop.
+    /// Returns the number of transforms that were pushed and not yet popped.
     pub(crate) fn depth(&self) -> usize {
         self.outer.len()
     }
 
-    /// Applies `outer` to all transforms from `depth` on.
+    /// Applies `outer` after all transforms from `depth` on.
     pub(crate) fn rebase(&mut self, depth: usize, outer: Transform) {
         for transform in self.outer.iter_mut().skip(depth).chain([&mut self.current]) {
             *transform = outer.then(*transform);

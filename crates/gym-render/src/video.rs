@@ -274,7 +274,7 @@ fn failed_before() -> io::Error {
     io::Error::other("an earlier write to this file failed")
 }
 
-/// Where the bytes of a video go.
+/// The destination of a video's bytes.
 #[derive(Debug)]
 pub(crate) enum Output {
     File(AtomicFile),

@@ -118,7 +118,7 @@ impl Window {
     }
 }
 
-/// The name of a key from minifb's: `1` for `Key1`, as it stands on the key.
+/// Returns the label of the key whose name in minifb is `key`: `1` for `Key1`.
 fn name(key: &str) -> String {
     match key.strip_prefix("Key") {
         Some(digit) if digit.len() == 1 => digit.to_owned(),
@@ -144,8 +144,8 @@ fn no_window(reason: &dyn fmt::Display) -> Error {
     }
 }
 
-/// A window on its own thread: it responds while the environment is busy, and the environment never
-/// waits longer than a frame.
+/// A window on its own thread. The window responds while the environment is busy, and the
+/// environment never waits longer than the duration of a frame.
 struct Live {
     shared: Arc<Shared>,
     thread: Option<JoinHandle<()>>,
@@ -213,7 +213,7 @@ fn serve(title: &str, size: (u32, u32), shared: &Shared, answer: &Sender<Result<
 
 impl Screen for Live {
     fn show(&mut self, frame: &Frame) -> bool {
-        // a thread that panicked does not report that the window is closed
+        // a thread that panicked has not set `open` to false
         let alive = self
             .thread
             .as_ref()
@@ -223,7 +223,7 @@ impl Screen for Live {
         }
         let now = Instant::now();
         thread::sleep(self.due.saturating_duration_since(now));
-        // after a pause, restart the rhythm
+        // after a pause, count the frames' times from now
         self.due = self.due.max(now) + self.period;
         *self
             .shared

@@ -261,8 +261,8 @@ fn recording_is_no_part_of_clones_and_snapshots() {
     );
 }
 
-/// A restore drops the frames of the abandoned history, also those that the recording has kept for
-/// a list.
+/// A restore drops the frames from before the restore, also the frames that the recorder has taken
+/// from the environment's list.
 #[test]
 fn a_restored_recording_has_no_old_frames() {
     let folder = TempDir::new().unwrap();
@@ -324,7 +324,7 @@ fn episodes_of_a_vector_are_recorded_in_every_mode() {
         let mut envs = recorded(folder.path().into(), mode).episode_trigger(|episode| episode != 2);
         envs.reset(0).unwrap();
         step_all(&mut envs, steps);
-        // the second video has begun with its first frame
+        // the second video has one frame
         assert_eq!(counts(&video(0)), frames, "{mode:?}");
         step_all(&mut envs, steps - 1);
         assert!(
@@ -369,8 +369,8 @@ fn a_recording_of_a_length_goes_on_over_episodes_of_a_vector() {
     }
 }
 
-/// Only the first sub-environment begins episodes of the recording: a masked reset of the others
-/// begins no video.
+/// Only resets of the first sub-environment begin videos: a masked reset of another sub-environment
+/// does not.
 #[test]
 fn a_reset_of_another_sub_environment_begins_no_video() {
     for mode in [
@@ -473,7 +473,7 @@ fn formats_go_by_the_extension() {
         assert!(matches!(error, Error::InvalidArgument { .. }), "{error}");
     }
     assert!(Video::create(folder.path().join("d.png"), 65536).is_err());
-    // a file that fails half-way is removed: frames of different sizes
+    // frames of different sizes are an error, and the incomplete file is removed
     let mixed = [frames[0].clone(), Frame::new(1, 1).unwrap()];
     for name in ["e.gif", "e.png"] {
         assert!(

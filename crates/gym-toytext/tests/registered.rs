@@ -4,7 +4,8 @@ use gym_core::vector::{Autoreset, VectorKind, VectorReset};
 use gym_core::{EnvExt, Value, VectorEnv, VectorEnvExt, builder};
 use gym_toytext::{CliffWalking, Taxi};
 
-/// They are equal after a snapshot too. (100 is not a multiple of the block size.)
+/// Native vectors equal scalar environments, also after a snapshot. (100 is not a multiple of the
+/// block size.)
 #[test]
 fn native_vectors_equal_scalar_environments() {
     for id in [
@@ -86,7 +87,7 @@ fn older_versions_take_no_arguments() {
     }
 }
 
-/// The count of steps has 16 bits, and stops below the number that stands for no limit.
+/// The step counter has 16 bits. It stops below the number that means "no limit".
 #[test]
 fn episodes_without_a_limit_are_never_truncated() {
     let envs = builder("CliffWalking-v1").vector(3);
@@ -100,7 +101,7 @@ fn episodes_without_a_limit_are_never_truncated() {
     }
 }
 
-/// The last infos of an episode belong to the step that ended it.
+/// The final infos of an episode appear only in the step that ended the episode.
 #[test]
 fn a_reset_leaves_no_last_infos() {
     for kind in [VectorKind::Native, VectorKind::Sync, VectorKind::Async] {

@@ -1,5 +1,4 @@
-//! Statistics of episodes: masks that leave sub-environments out, refused resets, buffers of another
-//! size.
+//! Statistics of episodes: partial masks, refused resets, buffers of another size.
 
 use gym_core::vector::{AsyncVectorEnv, Autoreset, SyncVectorEnv, VectorReset};
 use gym_core::{
@@ -7,7 +6,8 @@ use gym_core::{
 };
 use gym_wrappers::{RecordEpisodeStatistics, TimeLimit, record_episode_statistics};
 
-/// Counts its steps; the action is the reward, and the action 9 ends the episode.
+/// An environment that counts its steps. The action is the reward, and the action 9 terminates the
+/// episode.
 #[derive(Clone, Debug, Default)]
 struct Count(i64);
 
@@ -54,7 +54,7 @@ const MODES: [Autoreset; 3] = [
     Autoreset::Disabled,
 ];
 
-/// Both kinds of vectors of `n` environments.
+/// Returns a sync and an async vector of `n` environments.
 fn vectors(n: usize, autoreset: Autoreset) -> [Box<dyn VectorEnv>; 2] {
     let envs = || vec![BoxEnv::new(Count::default()); n];
     [
@@ -79,8 +79,8 @@ fn flags<const N: usize>(flags: [bool; N]) -> Option<Value> {
     Some(Value::Tuple(flags.map(Value::Bool).into()))
 }
 
-/// The entry belongs to the step that ended the episode. A call that leaves the sub-environment
-/// out, or that starts its next episode, has none.
+/// Only the step that ends an episode has the entry `episode`. A reset of other sub-environments,
+/// or the reset that starts the next episode, has no such entry.
 #[test]
 fn a_masked_reset_leaves_no_episode_of_those_left_out() {
     for mode in MODES {
@@ -92,7 +92,8 @@ fn a_masked_reset_leaves_no_episode_of_those_left_out() {
             let infos = envs.infos(&columns);
             assert_eq!(infos.get("_episode").cloned(), flags([true, true, false]));
             assert!(envs.ended(0).is_some() && envs.ended(2).is_none());
-            // the first is left out although its episode has ended, the second starts
+            // the mask skips the first sub-environment although its episode has ended, and selects
+            // the second
             let mask = VectorReset::default().mask([false, true, true]);
             envs.reset_into(&mask, &mut columns).unwrap();
             let infos = envs.infos(&columns);
@@ -107,7 +108,7 @@ fn a_masked_reset_leaves_no_episode_of_those_left_out() {
     }
 }
 
-/// A masked reset restarts the statistics of the selected sub-environments only.
+/// A masked reset restarts only the statistics of the selected sub-environments.
 #[test]
 fn a_masked_reset_restarts_the_statistics_of_the_selected() {
     for mode in MODES {
@@ -128,7 +129,7 @@ fn a_masked_reset_restarts_the_statistics_of_the_selected() {
     }
 }
 
-/// A failed reset has no result, so no episode ended in it either.
+/// A failed reset ends no episode.
 #[test]
 fn a_refused_reset_ends_no_episode() {
     for envs in vectors(2, Autoreset::NextStep) {
@@ -197,7 +198,7 @@ fn a_smaller_buffer_keeps_the_last_episodes() {
     }
     play(&mut env, 40);
     assert_eq!((env.episodes().len(), env.episode_count()), (3, 60));
-    // those that are kept are the newest
+    // the newest episodes are kept
     for action in 2..6 {
         env.reset(0).unwrap();
         while !env.step(&action).unwrap().done() {}

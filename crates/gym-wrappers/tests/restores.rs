@@ -1,5 +1,5 @@
-//! Snapshots of wrappers: all of the state continues, and a snapshot of a wrapper of another size or
-//! with numbers that no wrapper has is refused and changes nothing.
+//! Snapshots of wrappers. A restored wrapper continues with its whole state. A snapshot of a
+//! wrapper of another size, or with impossible numbers, is refused and changes nothing.
 
 use gym_core::spaces::BoxSpace;
 use gym_core::vector::{Autoreset, SyncVectorEnv, VectorReset};
@@ -16,8 +16,8 @@ use gym_wrappers::{
 };
 use serde_json::{Value as Json, json};
 
-/// Observes the square of its step, with alternating sign; an episode has `length` steps. Actions
-/// above 4 are refused.
+/// An environment that observes the square of its step count, with alternating sign. An episode has
+/// `length` steps. Actions above 4 are errors.
 #[derive(Clone, Debug)]
 struct Squares {
     length: i64,
@@ -83,8 +83,8 @@ impl Env for Squares {
     }
 }
 
-/// Plays an episode, and continues from each of its states in a wrapper that has played another
-/// episode.
+/// Plays an episode. From each state, restores a used wrapper and checks that it continues with the
+/// same steps.
 fn continues_everywhere<E: Env<Action = i64>>(make: impl Fn() -> E)
 where
     Step<E::Observation>: PartialEq,
@@ -139,8 +139,8 @@ fn every_state_continues() {
     continues_everywhere(|| TimeAwareObservation::new(Squares::new(23), config.clone()).unwrap());
 }
 
-/// If an episode ends during a repetition, the maximum uses stored observations, also those from
-/// before a snapshot.
+/// If an episode ends during a repetition, the maximum uses earlier observations, even from before
+/// a snapshot.
 #[test]
 fn the_last_observations_of_a_series_are_stored() {
     let make = || MaxAndSkipObservation::new(Squares::new(9), 4).unwrap();
@@ -151,13 +151,14 @@ fn the_last_observations_of_a_series_are_stored() {
     assert_eq!(seen, Value::from([64.0]));
     let mut fresh = make();
     fresh.restore(&env.snapshot().unwrap()).unwrap();
-    // the ninth step is the first of a repetition and ends the episode
+    // the ninth step, the first step of a repetition, ends the episode
     let last = fresh.step(&0).unwrap();
     assert!(last.terminated);
     assert_eq!(last.observation, Value::from([64.0]));
 }
 
-/// The observation of a step is the larger of its last two, also if the last one is smaller.
+/// The observation of a step is the maximum of the last two inner observations, even if the last is
+/// smaller.
 #[test]
 fn the_larger_of_the_last_two_observations_is_shown() {
     for (skip, largest) in [(2, 4.0), (3, 4.0), (4, 16.0), (5, 16.0)] {
@@ -171,7 +172,7 @@ fn the_larger_of_the_last_two_observations_is_shown() {
     }
 }
 
-/// A reset by the caller replaces one that is due.
+/// A reset by the caller replaces the autoreset.
 #[test]
 fn a_reset_by_hand_leaves_no_reset_due() {
     let mut env = AutoresetWrapper::new(Squares::new(2));
@@ -182,7 +183,7 @@ fn a_reset_by_hand_leaves_no_reset_due() {
     assert_eq!(env.step(&0).unwrap().observation, Value::from([-1.0]));
 }
 
-/// A step that the environment refuses draws nothing, so that the next one is as if it had not been.
+/// A step that the environment refuses draws nothing, so the next step is the same as without it.
 #[test]
 fn a_refused_step_draws_nothing() {
     let make = || {
@@ -199,7 +200,7 @@ fn a_refused_step_draws_nothing() {
                 refusals += 1;
                 assert_eq!(asked.snapshot().unwrap(), before, "step {step}");
             }
-            // the last action is repeated instead
+            // the wrapper has repeated the last action instead of the invalid action
             Ok(_) => asked.restore(&before).unwrap(),
         }
         let action = step % 4;
@@ -212,7 +213,7 @@ fn a_refused_step_draws_nothing() {
     assert!((5..35).contains(&refusals), "{refusals}");
 }
 
-/// A snapshot contains whether a reset is due.
+/// A snapshot contains whether the next step is an autoreset.
 #[test]
 fn a_due_reset_is_stored() {
     let mut env = AutoresetWrapper::new(Squares::new(2));
@@ -273,7 +274,7 @@ fn snapshots_of_another_size_are_refused() {
     }
 }
 
-/// The first value of `key`, at any depth.
+/// Returns the first value of `key`, at any depth.
 fn find<'a>(json: &'a mut Json, key: &str) -> Option<&'a mut Json> {
     if json.get(key).is_some() {
         return json.get_mut(key);
@@ -285,7 +286,7 @@ fn find<'a>(json: &'a mut Json, key: &str) -> Option<&'a mut Json> {
     }
 }
 
-/// The snapshot with the value of `key` replaced by `other`.
+/// Returns `snapshot` with the value of `key` replaced by `other`.
 fn changed(snapshot: &Snapshot, key: &str, other: Json) -> Snapshot {
     let mut json: Json = serde_json::to_value(snapshot).unwrap();
     *find(&mut json, key).unwrap_or_else(|| panic!("{key} in {snapshot:?}")) = other;
@@ -333,7 +334,7 @@ fn numbers_that_no_wrapper_has_are_refused() {
     }
 }
 
-/// Both ends of each range of arguments.
+/// Checks both ends of each argument's range.
 #[test]
 fn the_ends_of_arguments() {
     let sticky = |probability: f64, low, high| {
@@ -360,8 +361,8 @@ fn the_ends_of_arguments() {
     assert!(FrameStackObservation::new(Squares::new(9), 0).is_err());
 }
 
-/// A box as narrow as the smallest numbers, whose steps between bins are too small for the type:
-/// numpy's `linspace` then divides before it multiplies.
+/// A box whose width is the smallest positive number. The step between bins is then too small for
+/// the type, and numpy's `linspace` divides before it multiplies.
 #[test]
 fn bins_of_the_narrowest_box_are_numpys() {
     #[derive(Clone, Debug)]
@@ -410,8 +411,8 @@ fn bins_of_the_narrowest_box_are_numpys() {
     }
 }
 
-/// In SameStep mode the call that ends an episode begins the next one, so the return restarts. A
-/// masked reset restarts the selected returns.
+/// In SameStep mode, the call that ends an episode begins the next episode, so the return restarts.
+/// A masked reset restarts the selected returns.
 #[test]
 fn discounted_returns_start_anew() {
     let returns = |mode, length, mask: Option<[bool; 2]>| {
@@ -441,7 +442,7 @@ fn discounted_returns_start_anew() {
         );
         assert_eq!(returns(mode, 9, Some([true, true])), [0.0, 0.0], "{mode:?}");
     }
-    // truncated episodes restart it too, in SameStep mode only
+    // truncated episodes restart the return too, but only in SameStep mode
     let truncated = |mode| {
         let limited = || TimeLimit::new(Squares::new(9), 2).unwrap();
         let envs = SyncVectorEnv::new([limited(), limited()]).unwrap();
@@ -462,7 +463,7 @@ fn discounted_returns_start_anew() {
     assert_eq!(returns(Autoreset::SameStep, 2, None), [0.0, 0.0]);
 }
 
-/// An estimate is frozen or not as the snapshot's was.
+/// A restored estimate is frozen if the snapshot's estimate was frozen.
 #[test]
 fn a_frozen_estimate_stays_frozen() {
     for frozen in [true, false] {
@@ -479,7 +480,7 @@ fn a_frozen_estimate_stays_frozen() {
     }
 }
 
-/// A repetition ends where the episode does, also by a limit of time.
+/// A repetition ends when the episode ends, also by a time limit.
 #[test]
 fn a_limit_of_time_ends_a_repetition() {
     for (limit, ended) in [(3, 3), (4, 1), (5, 2)] {
@@ -505,7 +506,7 @@ fn a_limit_of_time_ends_a_repetition() {
     }
 }
 
-/// The time is a share of the limit, the smallest limit included.
+/// The observed time is a fraction of the limit, even with the smallest limit.
 #[test]
 fn the_last_step_has_all_the_time() {
     for limit in [1, 2, 9] {

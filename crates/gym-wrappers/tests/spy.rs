@@ -1,4 +1,4 @@
-//! Every wrapper forwards every method to the inner environment, unless it implements it.
+//! Every wrapper forwards every method that it does not implement to the inner environment.
 
 use std::any::{Any, TypeId};
 use std::collections::BTreeSet;
@@ -14,7 +14,7 @@ use gym_core::{
 use gym_wrappers::*;
 use serde_json::{Value as Json, json};
 
-/// An environment that notes which of its methods are called.
+/// An environment that records the names of the methods called on it.
 #[derive(Clone)]
 struct Spy {
     calls: Arc<Mutex<BTreeSet<&'static str>>>,
@@ -176,7 +176,7 @@ impl Env for Spy {
 
 type Call = (&'static str, fn(&mut BoxEnv));
 
-/// A call of each method. `close` is the last.
+/// A call of each method; `close` comes last.
 const CALLS: &[Call] = &[
     ("observation_space", |env| drop(env.observation_space())),
     ("action_space", |env| drop(env.action_space())),
@@ -222,7 +222,7 @@ const CALLS: &[Call] = &[
     ("close", |env| env.close()),
 ];
 
-/// The methods of the trait, read from its source.
+/// Returns the methods of the trait `Env`, read from its source.
 fn methods() -> BTreeSet<&'static str> {
     let source = include_str!("../../gym-core/src/env/mod.rs");
     let (_, body) = source.split_once("pub trait Env:").unwrap();
@@ -243,7 +243,7 @@ fn every_method_is_called() {
     );
 }
 
-/// A wrapper around a spy, and the methods that it answers itself.
+/// Returns the wrapper `name` around a spy, and the methods that the wrapper does not forward.
 fn wrapped(name: &str, spy: &Spy) -> Option<(BoxEnv, &'static [&'static str])> {
     let spy = || spy.clone();
     let registered = |name: &str, kwargs: serde_json::Value| {
@@ -283,7 +283,7 @@ fn wrapped(name: &str, spy: &Spy) -> Option<(BoxEnv, &'static [&'static str])> {
         "DtypeObservation" => (json!({"dtype": "float64"}), seen),
         "FilterObservation" => (json!({"filter_keys": ["a"]}), seen),
         "FrameStackObservation" => (json!({"stack_size": 2}), seen),
-        // it returns the frames that it has collected
+        // (`render` returns the collected frames)
         "RenderCollection" => (json!({}), &["render_into"]),
         "RepeatAction" => (json!({"num_repeats": 2}), &[]),
         "RescaleAction" => (pair("action", -2.0, 2.0), done),
@@ -297,16 +297,16 @@ fn wrapped(name: &str, spy: &Spy) -> Option<(BoxEnv, &'static [&'static str])> {
     Some((registered(name, kwargs), own))
 }
 
-/// The wrappers that specs do not name.
+/// Like [`wrapped`], for wrappers that are not registered.
 fn unregistered(name: &str, spy: &Spy) -> Option<(BoxEnv, &'static [&'static str])> {
     let spy = || spy.clone();
     Some(match name {
-        // it makes texts from `ansi`, even if the environment renders by itself
+        // (`Render` renders texts with `ansi`, even if the environment renders by itself)
         "Render" => (
             BoxEnv::new(Render::new(spy(), RenderMode::Ansi).unwrap()),
             &["render_mode", "render_into"],
         ),
-        // a function has no stored form
+        // (a function cannot be stored, so there is no spec)
         "TransformAction" => (
             BoxEnv::new(TransformAction::new(spy(), Value::clone, None)),
             &["spec"],

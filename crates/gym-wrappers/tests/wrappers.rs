@@ -1,4 +1,4 @@
-//! The results of wrappers for known observations and rewards, in steps and resets.
+//! Tests the results of wrappers for given observations and rewards, in steps and resets.
 
 use gym_core::spaces::{
     BoxSpace, DictSpace, Discrete, GraphSpace, MultiBinary, MultiDiscrete, OneOfSpace, TextSpace,
@@ -14,7 +14,8 @@ use gym_wrappers::{
     TransformObservation, VectorWrap, Wrap, frame_stack_observation, normalize_observation,
 };
 
-/// Returns given observations and rewards, one after the other; the last one ends the episode.
+/// An environment that returns given observations and rewards, one after the other. The last
+/// observation ends the episode.
 #[derive(Clone, Debug)]
 struct Script {
     space: Space,
@@ -36,7 +37,7 @@ impl Script {
         }
     }
 
-    /// Samples of a space.
+    /// Makes an environment whose observations are `n` samples of a space.
     fn sampled(space: impl Into<Space>, n: usize) -> Self {
         let space = space.into();
         let mut sampler = space.sampler(3);
@@ -87,7 +88,7 @@ impl Env for Script {
     }
 }
 
-/// The observations of a reset and of all steps after it.
+/// Returns the observations of a reset and of all further steps.
 fn shown<E: Env<Action = i64>>(mut env: E) -> Vec<E::Observation> {
     let mut observations = vec![env.reset(0).unwrap()];
     loop {
@@ -99,7 +100,7 @@ fn shown<E: Env<Action = i64>>(mut env: E) -> Vec<E::Observation> {
     }
 }
 
-/// A space of every kind, composite ones of several parts.
+/// Returns a space of every kind. Composite spaces have several parts.
 fn spaces() -> Vec<Space> {
     let line = |n: usize| Space::from(BoxSpace::uniform(-1.0, 1.0, [n], DType::F32).unwrap());
     let text = || Space::from(TextSpace::new(1, 5).unwrap());
@@ -138,7 +139,7 @@ fn a_stack_is_the_batch_of_the_last_observations() {
         }
         let padding = space.sampler(8).sample();
         padded[..2].fill(padding.clone());
-        // these texts are names of paddings
+        // these two texts are names of padding types
         if padding == Value::from("reset") || padding == Value::from("zero") {
             continue;
         }
@@ -156,7 +157,7 @@ fn a_stack_is_the_batch_of_the_last_observations() {
     }
 }
 
-/// One number that is not finite is found in a value of any kind.
+/// The check for finite numbers finds NaN and infinity in a value of any kind.
 #[test]
 fn what_is_not_finite_is_seen_anywhere() {
     let graph = |node: f64, edge: f64| {
@@ -188,7 +189,7 @@ fn what_is_not_finite_is_seen_anywhere() {
     }
 }
 
-/// Spaces that differ in one part are not equal.
+/// Spaces that differ in one property are not equal.
 #[test]
 fn one_part_makes_another_space() {
     let bounds = |low: [f64; 3]| Space::from(BoxSpace::new(low, [9.0; 3]).unwrap());
@@ -312,7 +313,7 @@ fn numbers(value: &Value) -> Vec<f64> {
     value.as_array().unwrap().iter_f64().collect()
 }
 
-/// Shows `[0, 3]`, `[1, 2]`, `[2, 1]`.
+/// An environment that observes `[0, 3]`, `[1, 2]`, `[2, 1]`.
 fn counter() -> Script {
     let observations = (0..3)
         .map(|i| Value::from([i as f32, 3.0 - i as f32]))
@@ -344,7 +345,7 @@ fn epsilon_keeps_small_variances_from_growing() {
     }
 }
 
-/// One draw decides whether the action repeats; the repeated steps draw nothing.
+/// One random draw decides whether the action repeats. The repeated steps draw nothing.
 #[test]
 fn a_stuck_action_draws_nothing() {
     let script = Script::sampled(Space::discrete(2), 9);
@@ -411,7 +412,7 @@ fn final_observations_of_a_vector_are_normalized_too() {
     }
 }
 
-/// The first observation of each episode is preceded by paddings that fill the stack.
+/// Before the first observation of each episode, paddings fill the stack.
 #[test]
 fn stacks_are_padded_to_their_size() {
     let observations: Vec<Value> = (1..9).map(Value::Int).collect();

@@ -1,4 +1,4 @@
-//! A server of files in a folder, for this machine alone.
+//! An HTTP server of the files in a folder, on the loopback address.
 
 use std::fs;
 use std::io::{BufRead, BufReader, Read, Write};
@@ -12,13 +12,13 @@ use std::thread;
 pub(super) struct Site {
     /// The files of the page.
     pub(super) page: PathBuf,
-    /// Other folders, by the first part of the path: `("traces", "/somewhere")`.
+    /// Further folders, by the first part of the URL's path: `("traces", "/somewhere")`.
     pub(super) folders: Vec<(&'static str, PathBuf)>,
     /// Receives the data that a browser posts.
     pub(super) posts: Option<Sender<String>>,
 }
 
-/// A listener on a port, and the port; 0 takes a free one.
+/// Returns a listener on `port`, and its port. With 0, the system chooses a free port.
 pub(super) fn listen(port: u16) -> Result<(TcpListener, u16), String> {
     let listener = TcpListener::bind((Ipv4Addr::LOCALHOST, port));
     let listener =
@@ -75,7 +75,8 @@ fn answer(mut stream: TcpStream, site: &Site) -> std::io::Result<()> {
     stream.write_all(&body)
 }
 
-/// The file that a request line asks for, or the names in a folder beside the page, as JSON.
+/// Returns the file of a request line or, for a folder in `folders`, the names of its files as
+/// JSON.
 fn file(line: &str, site: &Site) -> Option<(&'static str, Vec<u8>)> {
     let path = line.strip_prefix("GET /")?.split([' ', '?']).next()?;
     let (folder, name) = match path.split_once('/') {

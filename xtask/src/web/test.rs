@@ -12,12 +12,12 @@ use serde_json::Value as Json;
 use super::serve::{Site, listen, serve};
 use crate::{files, root, say};
 
-/// The time after which the tests have failed.
+/// The largest duration of all tests.
 const LONGEST: Duration = Duration::from_secs(1800);
-/// The time after which a single test has failed.
+/// The largest duration of a single test.
 const SILENCE: Duration = Duration::from_secs(300);
-/// A script for the page as one file: opens the test page once a picture is shown, or after a
-/// minute.
+/// A script for the page as one file. It opens the test page as soon as the page shows an image, or
+/// after a minute.
 const SINGLE: &str = r#"<script>
 const wait = setInterval(() => {
   const canvas = document.querySelector(".tile canvas");
@@ -31,8 +31,8 @@ const wait = setInterval(() => {
 </script>
 "#;
 
-/// Opens the test page in Chromium, after the page as `single` file if there is one; it posts each
-/// result, and `{"done": ...}` at the end.
+/// Opens the test page in Chromium; with `single`, opens the page as one file first. The test page
+/// posts each result, and `{"done": ...}` at the end.
 pub(super) fn test(page: &Path, single: Option<&str>, traces: Option<&Path>) -> Result<(), String> {
     let (posts, results) = mpsc::channel();
     let mut folders = vec![("test", root().join("crates/gym-web/tests"))];
@@ -85,7 +85,7 @@ pub(super) fn test(page: &Path, single: Option<&str>, traces: Option<&Path>) -> 
                     }
                 }
             }
-            // a browser whose state is unknown counts as running
+            // (a browser whose state is unknown counts as running)
             Err(RecvTimeoutError::Timeout) if matches!(browser.0.try_wait(), Ok(Some(_))) => {
                 break Err("the browser ended before the tests".into());
             }
@@ -104,7 +104,7 @@ pub(super) fn test(page: &Path, single: Option<&str>, traces: Option<&Path>) -> 
     outcome
 }
 
-/// A browser without display, which ends with this value.
+/// A browser without display. A drop ends the browser.
 struct Browser(Child);
 
 impl Browser {

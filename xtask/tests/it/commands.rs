@@ -1,4 +1,4 @@
-//! The commands, one after the other.
+//! Tests of each command.
 
 use super::{fails, first_word, folder, json, prints, program, xtask};
 
@@ -91,7 +91,7 @@ fn demo() {
     ] {
         assert!(!ids.contains(&old), "{old} is asked for by --all");
     }
-    // environments with external requirements are left out; one line names them for each crate
+    // environments with external requirements are skipped; one line per crate names them
     assert_eq!(
         said.matches("ids of gym-atari: they need ROMs").count(),
         1,
@@ -177,7 +177,7 @@ fn atari_check_tells_of_every_rom() {
     );
 }
 
-/// Each good policy has a controller that is better than chance.
+/// The policy `good` is better than random actions.
 #[test]
 fn good_policies_beat_chance() {
     let mean = |id: &str, policy: &str| {
@@ -217,7 +217,7 @@ fn good_policies_beat_chance() {
             "{id}: {good}, at random {random}"
         );
     }
-    // `heuristic` is Gymnasium's word
+    // `heuristic` is Gymnasium's name for the policy `good`
     assert_eq!(
         mean("LunarLander-v3", "heuristic"),
         mean("LunarLander-v3", "good")
@@ -288,8 +288,8 @@ fn soak_has_flat_memory() {
         "{text}"
     );
     for line in text.lines().take(3) {
-        // 20,000 steps of each: an episode of CartPole takes about 20 steps, one of Taxi at most
-        // 200
+        // 20,000 steps of each environment: an episode of CartPole has about 20 steps, an episode
+        // of Taxi at most 200
         let words: Vec<_> = line.split_whitespace().collect();
         let episodes: u64 = words[3].parse().expect(line);
         assert_eq!((words[1], words[4]), ("20000", "episodes,"), "{line}");
@@ -320,7 +320,7 @@ fn old_versions_are_pointed_out() {
     assert!(String::from_utf8_lossy(&output.stderr).contains("warn: `CartPole-v0` is out of date"));
 }
 
-/// The table says how each episode ended; the last line has the means of the rows.
+/// The table shows how each episode ended. The last line has the means of the rows.
 #[test]
 fn run_prints_how_episodes_end() {
     let rows = |id: &str, seeds: &str| -> Vec<Vec<String>> {
@@ -335,7 +335,7 @@ fn run_prints_how_episodes_end() {
         poles[1..3].iter().all(|row| row[3..] == ["terminated"]),
         "{poles:?}"
     );
-    // each step pays 1
+    // each step has the reward 1
     assert!(
         poles[1..3]
             .iter()
@@ -361,7 +361,7 @@ fn run_prints_how_episodes_end() {
         [format!("[{low:.1},"), format!("{high:.1}]")],
         "{pendulums:?}"
     );
-    // the smallest of positive returns is not 0
+    // (the minimum of positive returns must not be 0)
     let [one, other] = [1, 2].map(|row| poles[row][1].parse::<f64>().unwrap());
     assert_eq!(poles[3][2], format!("[{:.1},", one.min(other)), "{poles:?}");
 }
@@ -406,7 +406,7 @@ fn seconds_of_a_benchmark_are_a_time() {
     );
 }
 
-/// Messages quote arguments without control characters, and shortened.
+/// Messages quote arguments shortened and without control characters.
 #[test]
 fn messages_quote_what_was_typed_safely() {
     let huge = "CartPole".repeat(12_500);

@@ -1,4 +1,4 @@
-//! Commands and options that the documents name.
+//! Checks that the commands and options in the documents exist.
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -6,7 +6,7 @@ use std::process::Command;
 
 use super::{prints, said};
 
-/// Every page of a folder.
+/// Appends every page in a folder to `files`.
 fn pages(folder: &Path, files: &mut Vec<PathBuf>) {
     for entry in std::fs::read_dir(folder).unwrap() {
         let path = entry.unwrap().path();
@@ -43,7 +43,8 @@ impl Help {
         help
     }
 
-    /// Fails with the fault in the rest of a line behind `cargo xtask`.
+    /// Checks the text `line`, which follows `cargo xtask` in a document. Returns the fault as an
+    /// error.
     fn check(&self, line: &str) -> Result<(), String> {
         let mut words = line
             .split_whitespace()

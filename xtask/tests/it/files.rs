@@ -1,4 +1,4 @@
-//! The files that commands write, and outputs that fail.
+//! Tests of the files that commands write, and of outputs that fail.
 
 use serde_json::Value as Json;
 
@@ -137,8 +137,7 @@ fn gif_follows_its_options() {
     assert_ne!(lake("{}"), lake(r#"{"map_name": "8x8"}"#));
 }
 
-/// A reader that has seen enough ends a command; a full disk is an error. `println!` panics at
-/// both.
+/// A closed pipe ends a command; a full disk is an error. (`println!` would panic in both cases.)
 #[cfg(target_os = "linux")]
 #[test]
 fn an_output_that_cannot_be_written_is_no_panic() {
@@ -195,8 +194,8 @@ fn an_output_that_cannot_be_written_is_no_panic() {
     );
 }
 
-/// A reader that has seen enough ends the printing. The work goes on: files are written, and the exit
-/// status is that of the work.
+/// A closed pipe ends only the printing. The command still writes its files, and its exit status is
+/// the status of the work.
 #[test]
 fn a_closed_pipe_ends_the_printing_alone() {
     use std::io::Write;
@@ -282,7 +281,7 @@ fn a_closed_pipe_ends_the_printing_alone() {
     assert_eq!(run(&["run", "CartPoleee-v1"]).0, Some(1));
 }
 
-/// If the video cannot be written, the trace is written nevertheless.
+/// If the video cannot be written, the command still writes the trace.
 #[cfg(target_os = "linux")]
 #[test]
 fn a_trace_is_kept_if_the_video_fails() {
@@ -313,7 +312,7 @@ fn a_trace_is_kept_if_the_video_fails() {
     assert_eq!(trace["events"].as_array().unwrap().len(), 3);
 }
 
-/// Two names of one file: one is a link to the other, and the file does not exist yet.
+/// Two paths of one file are refused, even if one path is a link and the file does not exist yet.
 #[cfg(unix)]
 #[test]
 fn two_results_go_to_two_files() {
@@ -399,7 +398,7 @@ fn run_refuses_names_before_it_plays() {
     assert_eq!(std::fs::read_dir(&out).unwrap().count(), 0);
 }
 
-/// Results can go to the standard output, which is not replaced as a file.
+/// Results can go to the standard output, which is not replaced like a file.
 #[cfg(target_os = "linux")]
 #[test]
 fn json_goes_to_the_standard_output() {

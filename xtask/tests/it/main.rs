@@ -1,4 +1,4 @@
-//! The commands as a user runs them.
+//! Tests of the commands as a user runs them.
 
 mod commands;
 mod documents;
@@ -11,7 +11,7 @@ use std::process::{Command, Output};
 
 use serde_json::Value as Json;
 
-/// The program over the environments of this workspace.
+/// Returns the program `commands`.
 fn program() -> Command {
     Command::new(env!("CARGO_BIN_EXE_commands"))
 }
@@ -23,12 +23,12 @@ fn xtask(arguments: &[&str]) -> Output {
         .expect("the command starts")
 }
 
-/// The output of a command, which must succeed.
+/// Returns the output of a command, which must succeed.
 fn prints(arguments: &[&str]) -> String {
     said(&xtask(arguments), arguments)
 }
 
-/// The output of a command that has succeeded.
+/// Returns the standard output in `output`. Panics if the command failed.
 fn said(output: &Output, arguments: &[&str]) -> String {
     let [stdout, stderr] =
         [&output.stdout, &output.stderr].map(|text| String::from_utf8_lossy(text).into_owned());
@@ -36,14 +36,14 @@ fn said(output: &Output, arguments: &[&str]) -> String {
     stdout
 }
 
-/// The error of a command that fails.
+/// Returns the error output of a command, which must fail.
 fn fails(arguments: &[&str]) -> String {
     let output = xtask(arguments);
     assert!(!output.status.success(), "{arguments:?} succeeds");
     String::from_utf8(output.stderr).expect("text")
 }
 
-/// An empty folder of a test's own.
+/// Makes an empty folder for one test.
 fn folder(name: &str) -> PathBuf {
     let folder = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join(name);
     let _ = std::fs::remove_dir_all(&folder);

@@ -1,4 +1,4 @@
-//! The commands in a crate outside of this workspace, over its own environments.
+//! Tests of the commands in a plugin: a crate outside of this workspace with its own environments.
 
 use std::fs;
 use std::io::Write;
@@ -10,18 +10,19 @@ use serde_json::Value as Json;
 
 use super::{folder, prints, said};
 
-/// The crate of a third party.
+/// A plugin of a third party.
 const GOOD: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../tests/plugins/good");
 
-/// Locks the target folder, in which the programs of all plugins have one name.
+/// Lets only one test run at a time, because the programs of all plugins have the same name in one
+/// target folder.
 fn alone() -> MutexGuard<'static, ()> {
     static ALONE: Mutex<()> = Mutex::new(());
     ALONE.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// Cargo in a folder outside of this workspace, with the profile that compiles fastest: everything
-/// is built anew. The alias `xtask` builds with `--release`, and so do the tests, so that it is
-/// built once; the profile has the checks of debug builds.
+/// Returns the command `cargo ARGUMENTS` in `folder`, with the settings that compile fastest,
+/// because the plugin builds all crates again. The alias `xtask` builds with `--release`; the tests
+/// do too, so that everything is built once. The profile has the checks of debug builds.
 fn cargo(folder: &Path, arguments: &[&str]) -> Command {
     let mut cargo = Command::new(env!("CARGO"));
     cargo
@@ -47,12 +48,12 @@ fn run(folder: &Path, arguments: &[&str]) -> Output {
     cargo(folder, arguments).output().expect("cargo starts")
 }
 
-/// The output of `cargo xtask` in a folder, which must succeed.
+/// Returns the output of `cargo xtask` in `folder`, which must succeed.
 fn xtask(folder: &Path, arguments: &[&str]) -> String {
     said(&run(folder, &[&["xtask"], arguments].concat()), arguments)
 }
 
-/// `new` makes a crate that conforms and draws, and the checks find a fault that is added.
+/// `new` makes a crate that conforms and draws. The checks find a fault that the test adds.
 #[test]
 fn new_makes_a_plugin_that_works() {
     let _alone = alone();
@@ -104,7 +105,7 @@ fn new_makes_a_native_vector_that_works() {
     );
 }
 
-/// Every command works over the environments of a crate that this workspace does not know.
+/// Every command works for the environments of a plugin.
 #[test]
 fn commands_serve_a_plugin() {
     let _alone = alone();
@@ -124,7 +125,7 @@ fn commands_serve_a_plugin() {
     let bench = xtask(good, &["bench", "--seconds", "0.01", "--kind", "make"]);
     assert!(bench.contains(id) && !bench.contains("CartPole"), "{bench}");
 
-    // plays with the keys of the registration
+    // play with the keys of the registration
     let mut play = cargo(
         good,
         &["xtask", "play", id, "--terminal", "--episodes", "1"],
@@ -143,7 +144,7 @@ fn commands_serve_a_plugin() {
     );
 }
 
-/// The checks are a build of their own, with pictures and the allocator that counts.
+/// `conform` has a separate build, with drawing and the allocator that counts.
 #[test]
 fn conform_serves_a_plugin() {
     let _alone = alone();
@@ -183,7 +184,7 @@ fn conform_serves_a_plugin() {
     }
 }
 
-/// Pages and the Python package of its own, in a copy of the crate.
+/// `docs` and `python` write pages and a Python package for a plugin.
 #[test]
 fn a_plugin_has_pages_and_a_python_package() {
     let _alone = alone();

@@ -43,7 +43,7 @@ fn replay_compares_and_writes() {
     );
     std::fs::write(&trace, "[]").unwrap();
     assert!(fails(&["replay", trace.to_str().unwrap()]).contains("not a trace"));
-    // of no kind of recording may more follow
+    // nothing may follow a recording, of any kind
     let model = r#"{"model": "ant.xml", "xml": "<mujoco/>", "versions": {}, "seed": 0} {}"#;
     std::fs::write(&trace, model).unwrap();
     let arguments = [
@@ -56,7 +56,7 @@ fn replay_compares_and_writes() {
     assert!(error.contains("trailing characters"), "{error}");
 }
 
-/// Answers contain the state of a MuJoCo task.
+/// The answers that `replay` writes contain the state of a MuJoCo task.
 #[test]
 fn replay_writes_the_state() {
     let out = folder("replay-state");
@@ -87,7 +87,7 @@ fn replay_writes_the_state() {
     assert_ne!(state[0], state[2]);
 }
 
-/// One trace that differs makes the command fail.
+/// The command fails if one of several traces differs.
 #[test]
 fn replay_fails_if_one_trace_does() {
     let out = folder("replay-some");
@@ -159,7 +159,8 @@ fn endless_files_are_refused() {
     assert!(fails(&["mjcf", "/dev/zero"]).contains("the limit is"));
 }
 
-/// Facts about the environment are compared; other notes are named.
+/// `replay` compares entries of the head that describe the environment, and names the other
+/// entries.
 #[test]
 fn replay_compares_the_head_and_names_the_rest() {
     let out = folder("replay-head");
@@ -231,8 +232,8 @@ fn replay_compares_the_head_and_names_the_rest() {
     );
 }
 
-/// A key that stands twice in a recording has two meanings, and a setting that no event answers
-/// proves nothing.
+/// A recording with a duplicate key is an error, because the key has two values. `replay` names the
+/// entries that it does not compare.
 #[test]
 fn what_a_recording_says_is_used_or_refused_or_named() {
     let trace = folder("replay-unused").join("trace.json");

@@ -1,6 +1,6 @@
-//! Programs of our own that switch banks, compared with the RAM that ale-py 0.12.1 had after each.
-//! ale-py detected the scheme: by the size, by an empty start of each bank for RAM, by accesses to
-//! the windows' addresses for `E0`, and by a call of `$D000` for `FE`.
+//! Programs of our own that switch banks. Their RAM is compared with ale-py 0.12.1's. ale-py
+//! detects the scheme by the size of the ROM, by an empty start of each bank (a cartridge with
+//! RAM), by accesses to the addresses of `E0`, and by a call of `$D000` (`FE`).
 
 use gym_atari::Display;
 use gym_atari::cartridge::{Cartridge, Scheme};
@@ -8,9 +8,9 @@ use gym_atari::console::{Console, Input};
 
 use crate::lcg::Lcg;
 
-/// Returns a program that selects random banks by every kind of access, and stores bytes of them
-/// from `$80` on. Each 4K bank holds the same program; the program of `E0` is in the last slice,
-/// which is always mapped.
+/// Returns a program that selects random banks by every kind of access, and stores bytes of these
+/// banks from `$80` on. Each 4K bank holds the same program; the program of `E0` is in the last
+/// slice, which is always mapped.
 fn program(scheme: Scheme, seed: u32) -> Vec<u8> {
     let (hotspot, hotspots, banks) = match scheme {
         Scheme::F8 | Scheme::F8SC => (0xfff8, 2, 2),
@@ -30,7 +30,7 @@ fn program(scheme: Scheme, seed: u32) -> Vec<u8> {
     ]; // clears RAM
     let absolute = |opcode: u8, address: u16| [opcode, address as u8, (address >> 8) as u8];
     if with_ram {
-        // make the RAM's earlier content different
+        // give the cartridge's RAM a known content
         for cell in 0..8 {
             code.extend([0xa9, 29 * cell, 0x8d, cell, 0xf0]); // lda #value; sta cell
         }
@@ -90,8 +90,8 @@ fn program(scheme: Scheme, seed: u32) -> Vec<u8> {
     (0..banks).flat_map(bank).collect()
 }
 
-/// Returns a program that calls subroutines in both banks of `FE`. Each reads a byte of its bank;
-/// the program stores the bytes from `$80` on.
+/// Returns a program that calls subroutines in both banks of `FE`. Each subroutine reads a byte of
+/// its bank. The program stores the bytes from `$80` on.
 fn calls(seed: u32) -> Vec<u8> {
     let mut random = Lcg(seed);
     let mut code = vec![

@@ -46,8 +46,9 @@ fn reads_of_the_tia_drive_two_bits() {
     assert_eq!(played(&rom(&code)).ram().0[0x10..0x13], [0x18, 0x8c, 0x2e]);
 }
 
-/// Returns both triggers as a program reads them in each frame, while the first is pressed in the
-/// second and the fifth frame. `VBLANK` is `start`, and `before` runs before each read.
+/// Returns both triggers as a program reads them in each of six frames. The first trigger is
+/// pressed in the second and the fifth frame. `VBLANK` starts as `start`, and the code `before`
+/// runs before each read.
 fn triggers(start: u8, before: &[u8]) -> [[bool; 6]; 2] {
     let mut code = vec![0x78, 0xd8, 0xa2, 0xff, 0x9a];
     code.extend([0xa9, 0x00, 0xa2, 0x7f, 0x95, 0x80, 0xca, 0x10, 0xfb]); // clears RAM, so that the game is not over
@@ -111,7 +112,7 @@ fn registers_of_the_riot_are_where_they_are_said_to_be() {
     assert_eq!(left(&output), [0x5f, 0xf0]);
 }
 
-/// After its end the timer counts each cycle until it is read; from then on each interval again.
+/// After the timer has reached 0, it counts each cycle. A read makes it count each interval again.
 #[test]
 fn a_read_behind_its_end_puts_the_timers_interval_back() {
     let code = [
@@ -167,8 +168,8 @@ fn collisions_come_back_after_they_were_cleared() {
     }
 }
 
-/// Bit 7 of `VBLANK` discharges the paddles' capacitors. They charge once it is cleared, the more
-/// slowly the further a paddle is turned left.
+/// Bit 7 of `VBLANK` discharges the paddles' capacitors. They charge once the bit is cleared, the
+/// more slowly the further a paddle is turned left.
 #[test]
 fn paddles_charge_from_when_they_are_let_go() {
     let mut code = vec![

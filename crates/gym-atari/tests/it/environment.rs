@@ -9,7 +9,7 @@ use gym_core::{
     Value, WrapperSpec, builder,
 };
 
-/// A program whose colour depends on the stick and on a frame counter.
+/// Returns a program whose colour depends on the stick and on a frame counter.
 fn homebrew() -> Rom {
     let code = [
         0x78, 0xd8, 0xa2, 0xff, 0x9a, 0xa9, 0x00, 0x95, 0x00, 0xca, 0xd0, 0xfb, // clears all
@@ -24,8 +24,8 @@ fn homebrew() -> Rom {
     program(&code)
 }
 
-/// A program that shows a frame counter as a colour. Of each eight frames, the first `short` end
-/// early and leave the rest of their pictures unchanged.
+/// Returns a program that shows a frame counter as a colour. Of each eight frames, the first
+/// `short` frames end early and leave the rest of the picture unchanged.
 fn stutter(short: u8) -> Rom {
     let code = [
         0x78, 0xd8, 0xa2, 0xff, 0x9a, 0xa9, 0x00, 0x95, 0x00, 0xca, 0xd0, 0xfb, // clears all
@@ -67,7 +67,8 @@ fn observations_have_the_shape_of_their_space() {
     }
 }
 
-/// Both pictures are complete with frames that end early and with steps of random length.
+/// Both of the last two pictures are complete, even if frames end early and steps have random
+/// lengths.
 #[test]
 fn pictures_of_short_frames_are_whole() {
     let frames = |env: &AtariEnv| env.ale().frame_number();
@@ -106,7 +107,7 @@ fn pictures_of_short_frames_are_whole() {
     }
 }
 
-/// Skipping frames shows the same as playing them one by one, whichever are drawn.
+/// Skipped frames give the same observations as single frames, whichever frames are drawn.
 #[test]
 fn skipped_frames_show_the_same() {
     for skip in [2, 3, 4, 5] {
@@ -198,7 +199,7 @@ fn preprocessing_takes_the_brighter_of_two_frames() {
     assert_eq!(small.step(&3.into()).unwrap(), next);
 }
 
-/// A spec names the wrapper with its arguments; `make` of the spec gives the same wrapper.
+/// A spec names the wrapper with its arguments. `make` of the spec makes the same wrapper.
 #[test]
 fn preprocessing_is_made_from_its_spec() {
     let config = || Config {
@@ -247,7 +248,7 @@ fn preprocessing_is_made_from_its_spec() {
     assert!(refused(&plain, skipping).contains("it must be 1"));
 }
 
-/// A registered game, like the games of the user's ROMs.
+/// A registered game with our own program instead of a ROM.
 #[derive(Clone)]
 struct Homebrew(AtariEnv);
 
@@ -489,7 +490,7 @@ fn roms_that_are_not_regular_files_are_refused() {
             std::fs::remove_file(&path).unwrap();
             symlink(target, &path).unwrap();
         }
-        // on a thread, so that waiting is a failure
+        // on a thread, so that the test fails if the call waits
         let (sender, receiver) = mpsc::channel();
         let roms = RomDir::new(&folder);
         std::thread::spawn(move || sender.send(roms.rom(game).unwrap_err().to_string()));
@@ -522,7 +523,7 @@ fn an_environment_fits_on_a_small_stack() {
         .unwrap();
 }
 
-/// The ROM is not an argument, so a snapshot names it.
+/// The ROM is not an argument, so a snapshot contains its checksum.
 #[test]
 fn a_snapshot_of_another_rom_is_refused() {
     let mut env = env(Config::default());
@@ -545,8 +546,8 @@ fn a_snapshot_of_another_rom_is_refused() {
     env.restore(&serde_json::from_str(&text).unwrap()).unwrap();
 }
 
-/// An environment refuses a stick with a NaN or an infinity in any part, and an action of the other
-/// kind. A refused action plays no frame. A stick outside of its bounds is played.
+/// An environment refuses a continuous action with a NaN or an infinity, and an action of the other
+/// kind. A refused action plays no frame. A continuous action outside of the bounds is accepted.
 #[test]
 fn sticks_that_are_no_numbers_are_refused() {
     use gym_atari::AtariAction::{Index, Stick};

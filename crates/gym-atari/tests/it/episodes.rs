@@ -1,4 +1,5 @@
-//! What an episode takes over from the previous one, and what a step does, in programs of our own.
+//! Tests of the state that an episode takes over from the previous episode, and of steps, with
+//! programs of our own.
 
 use gym_atari::ale::Settings;
 use gym_atari::{
@@ -10,8 +11,8 @@ use serde_json::Value as Json;
 
 use crate::rom::rom;
 
-/// A program that clears RAM except the lives of Breakout. Each frame it counts at `$80`, stores
-/// the stick at `$81` and the switches at `$82`, and changes the colour.
+/// Returns a program that clears RAM except the lives of Breakout. In each frame it increments
+/// `$80`, stores the stick at `$81` and the switches at `$82`, and changes the colour.
 fn looks(game: &str) -> Rom {
     let lives = if game == "breakout" { 5 } else { 0 };
     let code = rom(&[
@@ -177,7 +178,7 @@ fn a_step_takes_each_number_of_frames_of_its_range() {
     }
 }
 
-/// A coordinate or pressure counts above the threshold; the radius is the speed of a paddle.
+/// A coordinate or the button counts above the threshold. With a paddle, the radius is its speed.
 #[test]
 fn sticks_count_beyond_their_threshold() {
     for threshold in [0.25, 0.75] {
@@ -214,7 +215,7 @@ fn sticks_count_beyond_their_threshold() {
     assert_eq!((none - half, none - whole), (11_500, 23_000));
 }
 
-/// A paddle stops at its game's ends.
+/// A paddle stops at the ends of the range that its game has.
 #[test]
 fn a_paddle_stops_at_the_end_of_its_game() {
     let mut moved = 0;
@@ -355,7 +356,7 @@ fn an_episode_starts_after_some_no_ops() {
     let again = small.snapshot().unwrap();
     small.reset(9).unwrap();
     assert_eq!(small.snapshot().unwrap(), again);
-    // the power was switched on as often as for an episode with a seed
+    // the console was switched on as often as for an episode with a seed
     let mut plain = env("seaquest", one_by_one());
     plain.reset(9).unwrap();
     let power_ons = |ale: &Ale| state(ale)["progress"]["power_ons"].clone();
@@ -396,8 +397,8 @@ fn a_snapshot_of_other_preprocessing_is_refused() {
     }
 }
 
-/// ale-py's `restoreState` keeps the action that may stick, and the generator unless asked to
-/// restore it.
+/// Like ale-py's `restoreState`, a restore keeps the last action (for sticky actions), and keeps
+/// the generator unless `restore_rng` is set.
 #[test]
 fn a_state_is_restored_as_by_ale_py() {
     let mut ale = Ale::new(

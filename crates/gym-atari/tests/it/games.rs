@@ -1,4 +1,4 @@
-//! Rarely used rules of games, with the RAM of such moments.
+//! Rarely used rules of games, tested with RAM in which they apply.
 
 use gym_atari::games::{self, Ram};
 
@@ -9,8 +9,8 @@ fn ram(bytes: &[(usize, u8)]) -> [u8; 128] {
     ram
 }
 
-/// Krull ends only in one phase of its end: play continues if the last life was lost before it, or
-/// if lives are left.
+/// Krull is over only in one phase of its final sequence. Play continues if the last life was lost
+/// earlier, or if lives remain.
 #[test]
 fn krull_ends_where_ale_pys_does() {
     let krull = games::by_name("krull").unwrap();

@@ -1,6 +1,6 @@
 use std::ops::Rem;
 
-/// A generator of the numbers that choose a program's instructions.
+/// A linear congruential generator of the numbers that choose a program's instructions.
 pub(crate) struct Lcg(pub(crate) u32);
 
 impl Lcg {

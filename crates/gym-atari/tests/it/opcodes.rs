@@ -1,5 +1,4 @@
-//! A program for each opcode, compared with the RAM that ale-py 0.12.1 has after it: results, flags
-//! and cycles.
+//! A program for each opcode. Its RAM (results, flags and cycles) is compared with ale-py 0.12.1's.
 
 use gym_atari::{Ale, games};
 
@@ -36,7 +35,7 @@ const JMP: u8 = 0x4c;
 const RTS: u8 = 0x60;
 const PLA: u8 = 0x68;
 const JMP_INDIRECT: u8 = 0x6c;
-/// `TXS`, `TAS` and `LAS` set the stack pointer, which must stay in RAM.
+/// The opcodes `TXS`, `TAS` and `LAS`, which set the stack pointer. The stack must stay in RAM.
 const STACK_POINTER: [u8; 3] = [0x9a, 0x9b, 0xbb];
 
 /// Returns a program that executes an opcode in all cases and stores its results from `$C0` on: A,
@@ -184,8 +183,8 @@ fn decimal_program(opcode: u8, seed: u32) -> Vec<u8> {
     frames_of_255_lines(code, 0)
 }
 
-/// The chip's own rules differ: digits above 9 have other results, and the flags are computed in
-/// another way.
+/// (The real chip differs: digits above 9 have other results, and the flags are computed in another
+/// way.)
 #[test]
 fn decimal_arithmetic_is_ale_pys() {
     for (opcode, expected) in [(0x69, DECIMAL_SUMS), (0xe9, DECIMAL_DIFFERENCES)] {

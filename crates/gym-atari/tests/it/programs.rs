@@ -57,7 +57,7 @@ fn memory_outlasts_a_reset() {
 }
 
 /// The console's switches as a program reads them, from the 57th frame on: four idle frames, RESET,
-/// SELECT until a RAM byte shows the mode, RESET. The program increments that byte each time that
+/// SELECT until a RAM byte shows the mode, RESET. The program increments this byte each time that
 /// SELECT is pressed.
 #[test]
 fn switches_are_pressed_as_by_ale_py() {
@@ -214,7 +214,7 @@ fn select_is_held_at_random_as_by_ale_py() {
     }
 }
 
-/// Skiing has no button: an action with FIRE does nothing, not even in its direction. The program
+/// Skiing has no button: an action with FIRE has no effect, not even its direction. The program
 /// stores the stick in `$90` and the button in `$91`.
 #[test]
 fn illegal_actions_do_nothing() {
@@ -355,7 +355,7 @@ fn rewards_that_depend_on_earlier_frames_are_ale_pys() {
     );
 }
 
-/// If RAM does not show the lives in a frame, the previous number remains.
+/// In a frame in which RAM does not show the lives, the previous number remains.
 #[test]
 fn lives_that_do_not_count_are_those_of_before() {
     let changes: &[&[(usize, u8)]] = &[
@@ -433,7 +433,7 @@ fn long_frames_are_shown_as_by_a_pal_set() {
     }
 }
 
-/// If RAM never shows the mode, SELECT is not pressed forever.
+/// If RAM never shows the mode, the console stops pressing SELECT.
 #[test]
 fn a_program_without_modes_starts_as_well() {
     let ale = Ale::new(
@@ -628,14 +628,14 @@ fn writes_show_when_they_do_in_ale_py() {
     }
 }
 
-/// Returns instructions that take `cycles` cycles: 0, or at least 2.
+/// Returns instructions that take `cycles` cycles. `cycles` must be 0 or at least 2.
 fn delay(cycles: usize) -> Vec<u8> {
     let bit: &[u8] = if cycles % 2 == 1 { &[0x24, 0x80] } else { &[] };
     [bit, &vec![0xea; (cycles - 3 * (cycles % 2)) / 2]].concat()
 }
 
-/// Objects that restart during an `HMOVE` in the same line, in the six cases in which the `HMOVE`
-/// still moves them.
+/// Objects whose position is reset during an `HMOVE` in the same line, in the six cases in which
+/// the `HMOVE` still moves them.
 #[test]
 fn a_move_still_moves_what_starts_anew() {
     let mut code = vec![
@@ -716,7 +716,7 @@ fn wsync_waits_where_it_ends_a_frame() {
     }
 }
 
-/// A frame that is not drawn changes everything except the picture like a drawn one.
+/// A frame that is not drawn changes everything except the picture like a drawn frame.
 #[test]
 fn unseen_frames_play_the_same() {
     let rom = random_writes(
@@ -747,7 +747,7 @@ fn unseen_frames_play_the_same() {
     assert_eq!(seen.picture(), unseen.picture());
 }
 
-/// The program's bytes tell from which bank each was read.
+/// Each byte of the program is the number of its bank.
 #[test]
 fn banks_follow_accesses() {
     let numbered = |banks: usize, size: usize| {
@@ -789,7 +789,7 @@ fn banks_follow_accesses() {
     assert_eq!((small.read(0x1000, 0), small.read(0x1fff, 0)), (7, 7));
 }
 
-/// Reads of the chip in Pitfall II's cartridge, with random counters.
+/// Compares reads of the chip in Pitfall II's cartridge, with random counters.
 #[test]
 fn data_fetchers_give_what_ale_pys_do() {
     for (seed, expected) in (0..).zip([0xa1fd_ae91, 0x62bd_6e45, 0x9377_df05, 0xb5a0_a5f7]) {

@@ -39,7 +39,7 @@ fn games_are_ale_pys() {
     println!("{compared} recordings of games were compared");
 }
 
-/// Undrawn frames between drawn ones leave a console as if all frames had been drawn.
+/// A console that draws only some frames has the same state as a console that draws all frames.
 #[test]
 fn unseen_frames_of_games_play_the_same() {
     let Some(roms) = RomDir::find() else {
@@ -147,7 +147,8 @@ fn games_come_out_as_recorded() {
     }
 }
 
-/// Modes over three episodes of an environment, and Ice Hockey's noise, which survives a reset.
+/// Compares modes over three episodes of an environment, and Ice Hockey's noise, which survives a
+/// reset.
 #[test]
 fn modes_outlast_resets_as_in_ale_py() {
     if RomDir::find().is_none() {

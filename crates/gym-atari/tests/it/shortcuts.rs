@@ -1,4 +1,4 @@
-//! Compares the console's shortcuts with consoles that take none.
+//! Compares a console with shortcuts with a console without shortcuts.
 
 use gym_atari::Display;
 use gym_atari::cartridge::{Cartridge, Scheme};
@@ -17,8 +17,8 @@ fn one_of<T: Copy>(random: &mut Lcg, choices: &[T]) -> T {
     choices[random.below(choices.len())]
 }
 
-/// Returns a program of counting loops and of loops that wait for the timer, with all intervals;
-/// occasionally it jumps into the middle of a loop, or writes to RAM.
+/// Returns a program of counting loops and of loops that wait for the timer, with all intervals.
+/// Some instructions jump into the middle of a loop or write to RAM.
 fn loops(seed: u32) -> Vec<u8> {
     let mut random = Lcg(seed);
     let mut code = vec![];
@@ -78,15 +78,15 @@ fn loops(seed: u32) -> Vec<u8> {
     rom(&code)
 }
 
-/// Returns the state of the console without the cartridge's.
+/// Returns the state of the console without the state of the cartridge.
 fn state(console: &Console) -> serde_json::Value {
     let mut state = serde_json::to_value(console.state()).unwrap();
     state.as_object_mut().unwrap().remove("banks");
     state
 }
 
-/// With Activision's scheme no loop is skipped, because each access may select a bank. A call
-/// returns after 25,000 instructions, usually in the middle of a loop.
+/// The console with Activision's scheme skips no loop, because each access may select a bank. A
+/// frame ends after 25,000 instructions, usually in the middle of a loop.
 #[test]
 fn skipped_loops_leave_what_they_would() {
     for seed in 0..150 {

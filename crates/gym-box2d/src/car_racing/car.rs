@@ -25,7 +25,7 @@ const LOCKING_BRAKE: f64 = 0.9;
 const GAS_RISE: f64 = 0.1;
 /// Added to a wheel's angular velocity where the engine's power is divided by it, in rad/s.
 const MIN_OMEGA: f64 = 5.0;
-/// The friction limit on grass, relative to the road's.
+/// The friction limit on grass, as a fraction of the road's.
 const GRASS_FRICTION: f64 = 0.6;
 /// The force, relative to the friction limit, above which a wheel leaves a skid mark.
 const SKID_FORCE: f64 = 2.0;
@@ -85,10 +85,10 @@ pub(super) struct Wheel {
     skid: Skidding,
 }
 
-/// The state of a wheel's skid mark.
+/// The state of the skid mark that a wheel draws.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 struct Skidding {
-    /// Whether the wheel slipped in the previous step without drawing a mark.
+    /// Whether the wheel slipped in the previous step, but has not begun a mark.
     slips: bool,
     /// The number of the mark that the wheel draws.
     mark: Option<u64>,
@@ -102,7 +102,7 @@ pub(super) struct SkidMark {
     number: u64,
 }
 
-/// The number of marks that are kept.
+/// The number of marks that are kept (`car_dynamics.py`).
 const MARKS: usize = 30;
 /// An upper bound for snapshots, far above the number of marks in an episode.
 const MAX_MARKS_MADE: u64 = 1 << 48;
@@ -115,7 +115,7 @@ pub(super) struct Car {
     pub(super) hull_fixtures: [FixtureId; 4],
     /// Front left, front right, rear left, rear right.
     pub(super) wheels: [Wheel; 4],
-    /// Oldest first. Marks that no wheel has drawn yet are empty.
+    /// The skid marks, oldest first; empty until a wheel draws them.
     pub(super) marks: Vec<SkidMark>,
     marks_made: u64,
 }
@@ -282,7 +282,7 @@ impl Car {
         }
     }
 
-    /// Extends the mark of `wheel` by the position `slips`; `None` ends the mark.
+    /// Extends the mark of `wheel` to the position `slips`. `None` ends the mark.
     fn skid(&mut self, wheel: usize, slips: Option<[f64; 2]>, on_grass: bool) {
         let skid = &mut self.wheels[wheel].skid;
         let Some(position) = slips else {

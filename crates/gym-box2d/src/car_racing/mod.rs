@@ -62,7 +62,7 @@ const DISCRETE_BRAKE: f64 = 0.8;
 /// background in one component.
 const MAX_RANDOM_COLOR: f64 = 210.0;
 const GRASS_DIFFERENCE: f64 = 20.0;
-/// The scale of the track, from Gymnasium's `SCALE`.
+/// The scale of the track: Gymnasium's `SCALE`.
 const SCALE: f64 = 6.0;
 /// Half the side of the playfield, in m. A car outside of it ends the episode.
 const PLAYFIELD: f64 = 2000.0 / SCALE;
@@ -303,7 +303,8 @@ impl CarRacing {
             // the colours of the last episode: `Inspect` may have set them
             Some(episode) => episode.colors,
             None if !self.config.domain_randomize => Colors::DEFAULT,
-            // the constructor's colours, drawn from the constructor's own generator
+            // in Gymnasium the constructor draws these colours from an unseeded generator; here a
+            // copy of the episode's generator draws them
             None => Colors::random(&mut rng.clone()),
         };
         let mut episode = Episode::new(&self.config, rng, colors);
@@ -420,7 +421,7 @@ impl Episode {
         outcome
     }
 
-    /// Counts the tiles that wheels have entered and left.
+    /// Updates the tiles that each wheel touches, and counts newly visited tiles.
     fn touch_tiles(&mut self) {
         let tiles = self.track.len() as f64;
         for event in self.world.contact_events() {
@@ -495,7 +496,7 @@ impl Episode {
     }
 }
 
-/// The next reset applies it. `continuous` and `physics` are fixed.
+/// The next reset applies a set argument. `continuous` and `physics` are fixed.
 impl Inspect for CarRacing {
     fn state(&self) -> Option<Json> {
         serde_json::to_value(self.state()?).ok()
@@ -607,7 +608,7 @@ impl Configure for CarRacing {
     }
 }
 
-/// This argument exists only because Gymnasium has it.
+/// `verbose` exists only because Gymnasium has it.
 const VERBOSE: (&str, &str) = (
     "arguments-matter.verbose",
     "it is accepted as Gymnasium does, and nothing is printed",

@@ -26,7 +26,7 @@ const ZOOM: f64 = 2.7;
 const START_ZOOM: f64 = 0.1;
 /// The side of a grass patch; patches are two sides apart.
 const GRASS_DIM: f64 = PLAYFIELD / 20.0;
-/// The difference in shade between one tile and the next, of three shades.
+/// The difference between two successive of the three shades of tiles.
 const TILE_SHADE: f64 = 0.01;
 /// The centre of the score, in pixels of the window.
 const SCORE_CENTER: Point = [60.0, WINDOW_H - WINDOW_H * 2.5 / 40.0];
@@ -135,7 +135,7 @@ fn color([r, g, b]: [f64; 3]) -> Color {
     Color::rgb(r as u8, g as u8, b as u8)
 }
 
-/// What the image is for.
+/// The kind of image.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Scene {
     /// The observation.

@@ -1,5 +1,5 @@
-//! The score on the dashboard. Gymnasium writes it with a font; the digits here are our own, unless
-//! images of that font's digits are loaded.
+//! The score on the dashboard. Gymnasium draws the score with a font. This module draws its own
+//! digits, unless [`ScoreGlyphs`] of that font are loaded.
 
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -234,7 +234,7 @@ pub(super) fn draw(
         return glyphs.draw(canvas, text, x);
     }
     let mut left = x - (ADVANCE * text.len() as f64 - (ADVANCE - WIDTH)) / 2.0;
-    // a font's digits sit above the middle of their line
+    // in a font, the middle of a digit lies above the middle of the line
     let top = y - HEIGHT / 2.0 - 4.0;
     for character in text.bytes() {
         let strokes = match character {
@@ -274,7 +274,7 @@ fn draw_strokes(canvas: &mut dyn Canvas, strokes: u8, [left, top]: Point) {
 mod tests {
     use super::*;
 
-    /// Glyphs that are plain boxes with the font's widths.
+    /// Glyphs that are filled boxes with the font's widths.
     fn boxes() -> String {
         let glyph = |c: char| {
             let width = if c == '-' { 13 } else { 23 };

@@ -11,7 +11,7 @@ use super::{PLAYFIELD, SCALE};
 use crate::shapes::sign;
 
 const CHECKPOINTS: usize = 12;
-/// The radius of the circle that checkpoints are scattered around.
+/// The radius of the circle around which the checkpoints lie.
 const TRACK_RAD: f64 = 900.0 / SCALE;
 const TRACK_DETAIL_STEP: f64 = 21.0 / SCALE;
 const TRACK_TURN_RATE: f64 = 0.31;
@@ -90,7 +90,7 @@ fn attempt(rng: &mut Generator) -> Option<Vec<TrackPoint>> {
     let track = walk.get(i1..i2 - 1)?;
 
     let (first, last) = (track.first()?, track.last()?);
-    // the gap between the track's ends
+    // the gap between the first and the last point
     let (dx, dy) = (
         cos(first.beta) * (first.x - last.x),
         sin(first.beta) * (first.y - last.y),
@@ -132,7 +132,7 @@ fn walk(checkpoints: &[(f64, f64, f64); CHECKPOINTS]) -> Vec<TrackPoint> {
         };
         let (r1x, r1y) = (cos(beta), sin(beta));
         let (p1x, p1y) = (-r1y, r1x);
-        // the distance to the destination, projected onto the direction across the road
+        // the destination's offset to the side of the road
         let mut proj = r1x * (dest_x - x) + r1y * (dest_y - y);
         while beta - alpha > 1.5 * PI {
             beta -= 2.0 * PI;
@@ -163,7 +163,7 @@ fn walk(checkpoints: &[(f64, f64, f64); CHECKPOINTS]) -> Vec<TrackPoint> {
     track
 }
 
-/// Tells for each point whether the turn over the last few points is sharp.
+/// Returns for each point whether the road turns sharply over the last few points.
 fn borders(track: &[TrackPoint]) -> Vec<bool> {
     let n = track.len();
     let back = |i: usize, by: usize| (i + n - by % n) % n;

@@ -22,13 +22,16 @@
 //! destroyed.
 //!
 //! One interface has two engines. The first repeats Box2D 2.3 in `f32`, including its order of
-//! operations, so results do not depend on the platform. rapier2d is the second: it finds contacts
-//! and solves velocities, while islands, sleep, times of impact and position correction are shared.
-//! A world stores its ground as points; an edge gets a body only while something is near.
+//! operations, so results do not depend on the platform. The second uses rapier2d to find contacts
+//! and to solve velocities; islands, sleep, times of impact and position correction are the first
+//! engine's. A world stores terrain as points; an edge has a body only while a dynamic body is
+//! near.
 //!
-//! A step has three parts: before the velocity iterations, the iterations, and after them. The
-//! iterations are a chain of dependent operations, so vectors solve those of 32 worlds side by
-//! side, one world in each SIMD lane. A single step calls the same parts.
+//! A step has three parts: before the velocity iterations, the iterations, and after them. In the
+//! velocity iterations, each operation waits for the result of the previous one, so a single world
+//! leaves most of a CPU idle. Vector environments therefore run the velocity iterations of up to 32
+//! worlds at once, one world in each SIMD lane. A step of a single world calls the same three
+//! parts.
 
 mod box2d;
 mod def;

@@ -7,17 +7,17 @@
 //!
 //! | Box2D | rapier2d | here |
 //! |---|---|---|
-//! | velocities first, positions after | in the same sweeps, by added speed | sweeps without bias, then Box2D's own correction of contacts and joints |
-//! | one step of 0.02 s, many sweeps | substeps, few sweeps | one substep, as many sweeps |
-//! | joints start from the last impulses | each row is seeded as it is solved, so the seeds of a revolute joint cancel, and light legs under a heavy hull collapse | the impulses of revolute joints are applied before the step; motors and limits, which are bounded, take rapier's seeds |
-//! | force and torque last a step | until reset | turned into speed |
+//! | velocity iterations, then position iterations | one kind of iteration, with a bias that corrects positions | iterations without bias, then Box2D's position iterations |
+//! | one step of 0.02 s, many iterations | substeps, few iterations | one substep, as many iterations as Box2D |
+//! | warm start: all joints' last impulses are applied first | each constraint row is warm-started as it is solved, so the rows of a revolute joint cancel each other, and light legs under a heavy hull collapse | the impulses of revolute joints are applied before the step; motors and limits, which are bounded, use rapier's warm start |
+//! | force and torque act for one step | until they are reset | added to the velocities |
 //! | skins of 0.01 m, contact halfway between them | skins on one side of the contact | round shapes |
 //! | friction is the geometric mean, restitution the larger | averages | the same rules |
 //! | time of impact | motion clamped at fixed colliders | Box2D's |
 //! | sleep by velocity, 0.5 s | by drift | Box2D's rule |
 //!
 //! From the same state a step in the air or on one foot gives Box2D's velocities to about 1e-4 m/s.
-//! In landings Box2D's own sweeps have not converged, so the order of constraints matters.
+//! In landings Box2D's own iterations have not converged, so the order of constraints matters.
 //! Trajectories therefore diverge within some seconds, as on Box2D itself if gravity is changed by
 //! a ten-thousandth. Two differences remain: a collision's restitution has no threshold of 1 m/s,
 //! and a step allocates, because rapier's does. The scene handles sensors; rapier does not see
@@ -90,7 +90,7 @@ struct Work {
     ccd: CCDSolver,
     multibodies: MultibodyJointSet,
     soft_bodies: SoftBodySet,
-    /// The islands of a step, and spare ones.
+    /// The islands of a step, and unused islands for reuse.
     islands: Vec<Island>,
     spare: Vec<Island>,
 }
@@ -132,7 +132,7 @@ fn rapier_pose(xf: &super::box2d::math::Pose) -> RapierPose {
 }
 
 /// Returns the parameters of one substep without bias.
-fn parameters(dt: f32, sweeps: usize) -> IntegrationParameters {
+fn parameters(dt: f32, iterations: usize) -> IntegrationParameters {
     IntegrationParameters {
         dt,
         contact_softness: rigid(),
@@ -142,7 +142,7 @@ fn parameters(dt: f32, sweeps: usize) -> IntegrationParameters {
         normalized_prediction_distance: 0.0,
         normalized_max_linear_velocity: f32::MAX,
         num_solver_iterations: 1,
-        num_internal_pgs_iterations: sweeps,
+        num_internal_pgs_iterations: iterations,
         num_internal_stabilization_iterations: 0,
         max_ccd_substeps: 0,
         contact_recycling: false,
@@ -295,8 +295,8 @@ impl Rapier {
         }
     }
 
-    /// Finds the islands, turns forces into velocities, and applies the joints' impulses of the
-    /// last step.
+    /// Finds the islands, adds the effect of forces to the velocities, and applies the joints'
+    /// impulses of the last step.
     fn start(&mut self, step: &TimeStep) {
         let Self {
             scene,
@@ -350,9 +350,9 @@ impl Rapier {
         }
     }
 
-    /// Returns the number of rapier's iterations: Box2D's number; fewer if nothing touches and
-    /// every joint rests at a limit, because the last impulses are then correct already.
-    fn sweeps(&self, step: &TimeStep) -> usize {
+    /// Returns the number of rapier's iterations: Box2D's number, or two fifths of it if nothing
+    /// touches and every joint is at a limit, because the last impulses are then correct already.
+    fn iterations(&self, step: &TimeStep) -> usize {
         let mut joints = self
             .work
             .islands
@@ -364,17 +364,17 @@ impl Rapier {
                 .contacts
                 .iter()
                 .any(|contact| contact.touching && !contact.sensor);
-        let sweeps = step.velocity_iterations as usize;
+        let iterations = step.velocity_iterations as usize;
         if loose {
-            sweeps
+            iterations
         } else {
-            sweeps.div_ceil(5).saturating_mul(2)
+            iterations.div_ceil(5).saturating_mul(2)
         }
     }
 
     /// Makes a step of rapier.
     fn advance(&mut self, step: &TimeStep) {
-        let parameters = parameters(step.dt, self.sweeps(step));
+        let parameters = parameters(step.dt, self.iterations(step));
         let Work {
             pipeline,
             ccd,
@@ -559,8 +559,8 @@ fn place<T: Copy>(list: &mut Vec<T>, slot: u32, value: T) {
     }
 }
 
-/// Returns rapier's form of a shape, with Box2D's skin as a part of it. rapier's own skins lie on
-/// one side of a contact: a wheel would roll on a shorter leg.
+/// Returns rapier's collider for `shape`, enlarged by Box2D's skin. With rapier's own skins, a
+/// contact would not lie halfway between the two shapes, so a lever arm would have another length.
 fn collider(shape: &Geometry) -> Option<ColliderBuilder> {
     let vertices = shape.vertices();
     match shape.kind {
@@ -578,9 +578,9 @@ fn collider(shape: &Geometry) -> Option<ColliderBuilder> {
     }
 }
 
-/// Returns the joint's impulse on the second body, from the impulses of rapier's two rows along the
-/// first body's axes. rapier makes the second row independent of the first (modified Gram-Schmidt),
-/// so it acts along the first axis too.
+/// Returns the joint's impulse on the second body, computed from `rows`, the impulses of rapier's
+/// two constraint rows along the first body's axes. rapier makes the second row independent of the
+/// first (modified Gram-Schmidt), so it acts along the first axis too.
 fn joint_impulse(joint: &Joint, a: &Body, b: &Body, rows: [f32; 2]) -> Vec2 {
     let (q_a, q_b) = (rotation(a.sweep.a0), rotation(b.sweep.a0));
     let r_a = rotate(q_a, joint.local_anchor_a - a.sweep.local_center);

@@ -175,7 +175,7 @@ impl World {
             Engine::Box2d(world) => {
                 let island = self.island.get_or_insert_with(|| Box::new(Island::new()));
                 world.begin(island, dt, velocity_iterations, position_iterations);
-                island.sweep();
+                island.solve_velocities();
                 world.finish(island);
             }
             #[cfg(feature = "rapier")]
@@ -183,8 +183,8 @@ impl World {
         }
     }
 
-    /// Begins a step that is solved together with the steps of other worlds.
-    /// [`finish`](Self::finish) must follow.
+    /// Runs the first part of a step, up to the velocity iterations, which `lanes` runs for many
+    /// worlds together. [`finish`](Self::finish) must follow.
     pub(crate) fn begin(
         &mut self,
         lanes: &mut Lanes,
@@ -215,7 +215,8 @@ impl World {
         }
     }
 
-    /// Finishes the step that began at `place`, after `lanes` was solved.
+    /// Finishes the step that [`begin`](Self::begin) began. `place` is the result of `begin`;
+    /// `lanes` has run the velocity iterations.
     pub(crate) fn finish(&mut self, lanes: &mut Lanes, place: Place) {
         match &mut self.engine {
             Engine::Box2d(world) => lanes.finish(place, world),

@@ -10,7 +10,7 @@ use super::Document;
 use super::page::Page;
 use crate::policy::Policy;
 
-/// The GIF of a page, if a registration has a clip.
+/// Returns the GIF of a page, if a registration has a clip.
 pub(super) fn gif(page: &Page) -> Result<Option<Document>> {
     let Some(clip) = &page.shown().clip else {
         return Ok(None);

@@ -28,17 +28,17 @@ pub(crate) struct Arguments {
 /// A file: its path from the folder of the workspace, and its content.
 pub type Document = (PathBuf, Vec<u8>);
 
-/// The book around the pages on the environments, where a workspace has one.
+/// The book that contains the pages on the environments, if a workspace has a book.
 #[derive(Clone, Copy, Debug)]
 pub struct Book {
-    /// What stands below the list of environments.
+    /// The text below the list of environments.
     pub below_list: &'static str,
-    /// What a page says of differences from Gymnasium, unless the environment's module does.
+    /// The text on differences from Gymnasium of a page whose module has no such text.
     pub no_difference: &'static str,
-    /// The book's other files that come from registrations, given the folder of the workspace; with
-    /// `true` also the images.
+    /// Returns the book's other generated files, given the folder of the workspace; with `true`,
+    /// also the images.
     pub documents: fn(&Path, bool) -> Result<Vec<Document>>,
-    /// Finds faults of the book, given the folder of the workspace.
+    /// Checks the book, given the folder of the workspace.
     pub check: fn(&Path) -> Result<()>,
 }
 

@@ -1,4 +1,4 @@
-//! The pages about the environments, from their registrations and the documentation of their
+//! The pages about the environments, generated from registrations and from the documentation of the
 //! modules.
 
 use std::path::{Path, PathBuf};
@@ -11,7 +11,7 @@ use super::returns::{EPISODES, Measured, Returns, Summary};
 use super::{Book, Document};
 use crate::workspace::{self, Workspace};
 
-/// The environments that one module registers: one page.
+/// A page: the environments that one module registers.
 pub(super) struct Page {
     /// The name of the file, without its extension.
     pub(super) name: String,
@@ -19,7 +19,7 @@ pub(super) struct Page {
     docs: Docs,
 }
 
-/// Every page of a workspace, crate by crate.
+/// Returns every page of a workspace, crate by crate.
 ///
 /// # Errors
 /// If the documentation of a module lacks a part of its page.
@@ -29,7 +29,8 @@ pub(super) fn all(workspace: &Workspace) -> Result<Vec<Page>> {
     let modules = registrations.chunk_by(|a, b| a.source.module == b.source.module);
     let pages = modules.map(|registrations| Page::read(registrations, workspace.folder()));
     let mut pages = pages.collect::<Result<Vec<_>>>()?;
-    // if two modules have one name, the page of ids with a namespace gets the namespace as a prefix
+    // if two modules have the same name, the page whose ids have a namespace gets the namespace as
+    // a prefix
     let names: Vec<String> = pages.iter().map(|page| page.name.clone()).collect();
     for page in &mut pages {
         let twice = names.iter().filter(|name| **name == page.name).count() > 1;
@@ -40,7 +41,7 @@ pub(super) fn all(workspace: &Workspace) -> Result<Vec<Page>> {
     Ok(pages)
 }
 
-/// The texts of the pages, and the page that lists them.
+/// Returns the texts of the pages, and the page that lists the pages.
 pub(super) fn documents(
     pages: &[Page],
     returns: &Returns,
@@ -138,9 +139,9 @@ impl Docs {
     }
 }
 
-/// Rustdoc's links to items as plain code, without the brackets around it.
+/// Replaces rustdoc's links to items by code without brackets.
 fn without_item_links(text: &str) -> String {
-    // code that follows at once is joined: [`f`]`(x)` becomes `f(x)`
+    // (joins adjacent code: [`f`]`(x)` becomes `f(x)`)
     text.replace("`]`", "")
         .replace("[`", "`")
         .replace("`]", "`")
@@ -169,7 +170,7 @@ impl Page {
         })
     }
 
-    /// The registration whose GIF and arguments the page shows.
+    /// Returns the registration whose GIF and arguments the page shows.
     pub(super) fn shown(&self) -> &Registration {
         self.registrations
             .iter()
@@ -177,7 +178,7 @@ impl Page {
             .unwrap_or(&self.registrations[0])
     }
 
-    /// The line that shows the picture, if there is one.
+    /// Returns the line that shows the GIF, if there is one.
     fn image(&self, text: &str) -> String {
         let image = self
             .shown()
@@ -187,7 +188,7 @@ impl Page {
         image.unwrap_or_default()
     }
 
-    /// The line of this page in the list of pages.
+    /// Returns the row of this page in the list of pages.
     fn row(&self) -> String {
         let ids: Vec<_> = self
             .registrations
@@ -271,7 +272,8 @@ impl Page {
     }
 }
 
-/// The table of arguments, as `shown` has them; `registrations` are all of the page.
+/// Returns the table of arguments with the default values of `shown`. `registrations` are all
+/// registrations of the page.
 fn arguments(shown: &Registration, registrations: &[Registration]) -> Result<String> {
     let table = shown.arguments()?;
     if table.is_empty() {
@@ -296,7 +298,7 @@ fn arguments(shown: &Registration, registrations: &[Registration]) -> Result<Str
             meaning.replace('|', "\\|")
         );
     }
-    // a boolean argument, with the other value than its default
+    // the first argument of type bool (inverted) or number
     let example = table.iter().find_map(|argument| match &argument.default {
         Json::Bool(value) => Some((argument.name, Json::Bool(!value))),
         Json::Number(_) => Some((argument.name, argument.default.clone())),
@@ -340,7 +342,7 @@ fn ids(registrations: &[Registration]) -> Result<String> {
     Ok(text)
 }
 
-/// The spaces, each with the ids that have it.
+/// Returns the list of spaces, each with the ids that have this space.
 fn spaces(registrations: &[Registration]) -> Result<String> {
     let mut rows: Vec<(String, Vec<String>)> = Vec::new();
     for entry in registrations {

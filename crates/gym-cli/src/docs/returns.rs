@@ -1,4 +1,5 @@
-//! The returns of a random and of a good policy, measured once and kept beside the pages.
+//! The returns of a random and of a good policy, which are measured once and stored beside the
+//! pages.
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -11,7 +12,7 @@ use crate::output::tell;
 use crate::policy::Policy;
 use crate::workspace::{self, Workspace};
 
-/// The stored returns of the pages, so that they need not be measured each time.
+/// The file of the measured returns, so that `docs` need not measure them each time.
 const FILE: &str = "docs/environments/returns.json";
 
 /// The number of episodes, with the seeds from 0 on.
@@ -35,7 +36,7 @@ pub(super) struct Summary {
     pub(super) mean_length: f64,
 }
 
-/// The stored returns of a folder; none if the file does not exist.
+/// Reads the stored returns in `folder`; an empty map if the file does not exist.
 pub(super) fn read(folder: &Path) -> Result<Returns> {
     let path = folder.join(FILE);
     if !path.exists() {
@@ -49,7 +50,7 @@ pub(super) fn read(folder: &Path) -> Result<Returns> {
     })
 }
 
-/// Plays every environment.
+/// Measures the returns of every environment.
 pub(super) fn measure(workspace: &Workspace) -> Result<Returns> {
     workspace::without_needy(workspace.own()?)
         .iter()

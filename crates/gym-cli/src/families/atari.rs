@@ -36,7 +36,7 @@ pub(crate) fn atari(arguments: Arguments) -> Result<()> {
     check(&folder)
 }
 
-/// Compares every game whose file is in a folder.
+/// Compares every game whose file is in `folder` with the recordings of ale-py.
 fn check(folder: &RomDir) -> Result<()> {
     let (there, missing): (Vec<_>, Vec<_>) =
         GAMES.iter().partition(|game| folder.file(game).exists());
@@ -72,9 +72,9 @@ fn check(folder: &RomDir) -> Result<()> {
 #[derive(Debug, PartialEq)]
 enum Verdict {
     Equal,
-    /// The runs that differ.
+    /// The recorded runs that differ.
     Different(Vec<&'static str>),
-    /// The reason why it was not played.
+    /// The reason why the game was not played.
     Unplayed(String),
 }
 

@@ -1,4 +1,4 @@
-//! What the commands know of single families: models of MuJoCo, ROMs and recordings.
+//! The parts of the commands that depend on one family: MuJoCo's models, ROMs and recordings.
 
 mod atari;
 mod mjcf;

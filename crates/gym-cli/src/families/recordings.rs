@@ -1,4 +1,4 @@
-//! Recordings that are no traces: of games of the Atari 2600 frame by frame, and of MuJoCo's engine.
+//! Recordings other than traces: Atari 2600 games frame by frame, and MuJoCo's engine.
 
 use std::path::Path;
 
@@ -9,7 +9,7 @@ use gym::mujoco::recording;
 use gym::{Error, Result};
 use serde_json::{Map, Value as Json};
 
-/// Compares a recording of a game. `None` if the text is none.
+/// Compares a recording of a game with its replay. Returns `None` if `text` is another recording.
 pub(crate) fn compare(text: &str) -> Option<Result<String>> {
     game(text).map(|recorded| {
         if recorded.ops.is_empty() {
@@ -24,8 +24,8 @@ pub(crate) fn compare(text: &str) -> Option<Result<String>> {
     })
 }
 
-/// The answer, in JSON, to a recording with the text `text` and the parts `parts`. Files that it names lie in
-/// the folder of `path`. `None` if it is a trace.
+/// Returns the answer, in JSON, to the recording `text`, whose top-level entries are `parts`. The
+/// files that the recording names are in the folder of `path`. Returns `None` for a trace.
 pub(crate) fn answer(
     text: &str,
     parts: &Map<String, Json>,
@@ -48,7 +48,7 @@ pub(crate) fn answer(
     json(serde_json::to_vec(&answer))
 }
 
-/// The recording of a game, if the text is one.
+/// Parses the recording of a game; `None` if `text` is another recording.
 fn game(text: &str) -> Option<Recording> {
     serde_json::from_str(text)
         .ok()

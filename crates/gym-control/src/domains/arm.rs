@@ -1,4 +1,4 @@
-//! The arm of manipulator and stacker.
+//! The arm in the domains manipulator and stacker.
 
 use std::f64::consts::PI;
 
@@ -9,7 +9,8 @@ use super::{minus, norm};
 use crate::task::named;
 use crate::{Observation, Start};
 
-/// The text of the model, with the bodies `props`, and the exclusions `apart` of contacts.
+/// Returns the text of the model, with the bodies `props`, and the pairs of bodies without contacts
+/// `apart`.
 pub(super) fn text(solref: f64, props: &str, apart: &str) -> String {
     include_str!("../../models/arm.xml")
         .replace("{solref}", &solref.to_string())
@@ -57,7 +58,7 @@ impl Arm {
         })
     }
 
-    /// Draws the joints' positions; the finger gets the thumb's.
+    /// Draws the joints' positions. The finger gets the thumb's position.
     pub(super) fn start(&self, start: &mut Start<'_>) {
         let place = |start: &Start<'_>, i: usize| start.model().jnt_qposadr[self.joints[i]];
         for (i, &joint) in self.joints.iter().enumerate() {
@@ -93,18 +94,19 @@ impl Arm {
     }
 }
 
-/// The position of a body in the plane, and its orientation.
+/// Returns the position of a body in the plane (x, z), and its orientation (w and y of the
+/// quaternion).
 pub(super) fn pose(d: &Data, body: usize) -> [f64; 4] {
     let (pos, quat) = (d.xpos[body], d.xquat[body]);
     [pos[0], pos[2], quat[0], quat[2]]
 }
 
-/// The distance between two sites.
+/// Returns the distance between two sites.
 pub(super) fn distance(d: &Data, from: usize, to: usize) -> f64 {
     norm(minus(d.site_xpos[from], d.site_xpos[to]))
 }
 
-/// A quaternion: the rotation by `angle` about the y axis.
+/// Returns the quaternion of the rotation by `angle` about the y axis.
 pub(super) fn turned(angle: f64) -> [f64; 4] {
     [math::cos(angle / 2.0), 0.0, math::sin(angle / 2.0), 0.0]
 }

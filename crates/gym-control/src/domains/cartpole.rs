@@ -47,7 +47,7 @@ pub struct Cartpole {
     sparse: bool,
 }
 
-/// The cosines of the poles' angles.
+/// Iterates over the cosines of the poles' angles.
 fn heights(d: &Data) -> impl Iterator<Item = f64> {
     d.xmat[2..].iter().map(|mat| mat[ZZ])
 }

@@ -41,7 +41,7 @@ pub struct Finger {
 }
 
 impl Finger {
-    /// The vector from the hinge to a site, in x and z.
+    /// Returns the vector from the hinge to a site, in x and z.
     fn offset(&self, d: &Data, site: usize) -> [f64; 2] {
         [0, 2].map(|k| d.site_xpos[site][k] - d.xpos[self.spinner][k])
     }

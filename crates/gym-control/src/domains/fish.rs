@@ -24,7 +24,7 @@ use crate::task::{clip, named};
 use crate::{Domain, Observation, Start, Task, register};
 
 const UPRIGHT: Tolerance = Tolerance::within(1.0, 1.0).margin(1.0, Sigmoid::Gaussian);
-/// The positions of the joints after the root; their velocities have indices one lower.
+/// The indices of the joints after the root in `qpos`. In `qvel`, each index is one lower.
 const JOINTS: std::ops::Range<usize> = 7..14;
 
 config! { 40.0;

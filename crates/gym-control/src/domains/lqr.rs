@@ -127,7 +127,7 @@ impl Task for Lqr {
     }
 }
 
-/// Pushes the masses that have a motor against their velocity.
+/// Applies a force against the velocity to each mass with a motor.
 const BRAKE: Policy = Policy::rules("pushes against the velocities of the masses", |env| {
     let forces: usize = env.action_space().shape()?.iter().product();
     matches!(env.observation_space(), Space::Dict(_)).then_some(())?;

@@ -114,7 +114,8 @@ impl Task for Manipulator {
             let (x, z) = (start.uniform(-0.4, 0.4), start.uniform(0.1, 0.4));
             let reach = if self.insert { PI / 3.0 } else { PI };
             let angle = start.uniform(-reach, reach);
-            // the mocap bodies are the target and its holder; both get the same pose
+            // the mocap bodies are the target and, with `insert`, the cup or slot around it: both
+            // get the same pose
             let data = &mut *start.data;
             for (pos, quat) in data.mocap_pos.iter_mut().zip(&mut data.mocap_quat) {
                 (pos[0], pos[2], *quat) = (x, z, turned(angle));

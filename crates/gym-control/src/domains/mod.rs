@@ -54,7 +54,7 @@ mod axis {
     pub(super) const ZZ: usize = 8;
 }
 
-/// Refuses an argument outside the range from `low` to `high`.
+/// Returns an error for an argument outside the range from `low` to `high`.
 fn check(name: &'static str, x: f64, low: f64, high: f64) -> Result<()> {
     if (low..=high).contains(&x) {
         return Ok(());
@@ -65,17 +65,18 @@ fn check(name: &'static str, x: f64, low: f64, high: f64) -> Result<()> {
     ))
 }
 
-/// `a - b`.
+/// Returns `a - b`.
 fn minus<const N: usize>(a: [f64; N], b: [f64; N]) -> [f64; N] {
     std::array::from_fn(|k| a[k] - b[k])
 }
 
-/// `np.linalg.norm` on a CPU with AVX-512.
+/// Returns `np.linalg.norm(v)`, as numpy computes it on a CPU with AVX-512.
 fn norm<const N: usize>(v: [f64; N]) -> f64 {
     gym_mujoco::tasks::numpy::norm(5, &v)
 }
 
-/// A vector times a matrix, row-major: numpy's `v.dot(m)`, which fuses products and sums.
+/// Returns the vector `v` times the row-major matrix `m`: numpy's `v.dot(m)`, which uses fused
+/// multiply-add.
 #[expect(
     clippy::disallowed_methods,
     reason = "a fused product is the same on every platform"

@@ -25,7 +25,7 @@ use crate::rewards::Tolerance;
 use crate::task::{clip, named};
 use crate::{Domain, Observation, Start, Task, register};
 
-/// The pole is upright if the cosine of its angle is at least that of 8 degrees.
+/// The pole is upright if the cosine of its angle is at least the cosine of 8 degrees.
 const UPRIGHT: Tolerance = Tolerance::within(0.9902680687415704, 1.0);
 
 config! { 20.0; }

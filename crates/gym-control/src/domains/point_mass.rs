@@ -42,7 +42,7 @@ pub struct PointMass {
     near: Tolerance,
 }
 
-/// A random unit vector.
+/// Draws a random unit vector.
 fn direction(rng: &mut RandomState) -> [f64; 2] {
     let v = [(); 2].map(|()| rng.standard_normal());
     let length = norm(v);
@@ -115,7 +115,7 @@ impl Task for PointMass {
     }
 }
 
-/// `np.dot`, on a CPU with AVX-512.
+/// Returns `np.dot(a, b)`, as numpy computes it on a CPU with AVX-512.
 #[expect(
     clippy::disallowed_methods,
     reason = "a fused product is the same on every platform"

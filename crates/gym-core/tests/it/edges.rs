@@ -1,5 +1,5 @@
-//! Branches that an ordinary episode does not take: masks that leave out, snapshots of another size,
-//! calls after `close`, limits that are equal.
+//! Branches that an ordinary episode does not take: partial masks, snapshots of another size, calls
+//! after `close`, equal time limits.
 
 use gym_core::registry::NoArguments;
 use gym_core::render::{Metadata, RenderMode, Rendered};
@@ -13,7 +13,8 @@ use gym_core::{
     Value, VectorEnv, VectorEnvExt, WrapperSpec, make,
 };
 
-/// Counts its steps; the action is the reward, and the action 9 ends the episode.
+/// An environment that counts its steps. The action is the reward, and the action 9 terminates the
+/// episode.
 #[derive(Clone, Debug, Default)]
 struct Count(i64);
 
@@ -88,7 +89,7 @@ fn actions<const N: usize>(actions: [i64; N]) -> Value {
     Value::Array(actions.into())
 }
 
-/// A closed sub-environment stays closed, even if `call` changes it afterwards.
+/// A closed sub-environment stays closed, even if [`call`](VectorEnvExt) changes it afterwards.
 #[test]
 fn a_sub_environment_that_is_changed_after_close_stays_closed() {
     let mut sync = SyncVectorEnv::new(vec![BoxEnv::new(Count::default()); 2]).unwrap();
@@ -249,7 +250,7 @@ fn an_equal_or_shorter_limit_replaces_that_of_make() {
     assert!(TimeLimit::new(Count::default(), 0).is_err());
 }
 
-/// Of two limits, the layer [`StepCount`] is that with fewer steps left.
+/// With two time limits, the layer [`StepCount`] is the count with fewer remaining steps.
 #[test]
 fn the_count_of_the_nearest_limit_is_shown() {
     let count = |inner: u32, outer: u32| {
@@ -265,7 +266,7 @@ fn the_count_of_the_nearest_limit_is_shown() {
     }
 }
 
-/// A wrapper around collected frames is outside of the collection, in the spec too.
+/// A wrapper around a `RenderCollection` stays outside of it, in the spec too.
 #[test]
 fn a_collection_stays_inside_of_a_later_wrapper() {
     let mut spec = make("edges/Count-v0").unwrap().spec().unwrap();
@@ -338,7 +339,8 @@ fn a_mask_of_no_character_gives_the_empty_text() {
         sampler.sample_weighted(&weighted).unwrap(),
         Value::Text("ccc".into())
     );
-    // refused: a space without the empty text, lengths outside the bounds, a mask of another length
+    // these are errors: a space without the empty text, lengths outside the bounds, a mask of
+    // another length
     let mut sampler = Space::from(text(1)).sampler(1);
     for refused in [
         mask(None, [0, 0, 0]),
@@ -357,8 +359,7 @@ fn a_mask_of_no_character_gives_the_empty_text() {
     }
 }
 
-/// Every space that can be stored can be read again; a space that is nested too deep gives an error
-/// when it is stored.
+/// Every stored space can be read again. A space with too many levels of nesting cannot be stored.
 #[test]
 fn every_space_that_is_stored_is_read_again() {
     type Nest = fn(Space) -> Space;
@@ -424,8 +425,8 @@ fn values_are_read_from_their_stored_form() {
     }
 }
 
-/// A value is a batch only if kind, type, shape, number of rows and keys fit the space in every
-/// part.
+/// A value is a batch of a space only if the kind, type, shape, number of rows and keys of every
+/// part fit the space.
 #[test]
 fn a_batch_of_another_form_is_none() {
     let line = || Space::boxed([0.0], [1.0]);

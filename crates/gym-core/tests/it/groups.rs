@@ -1,9 +1,10 @@
-//! Groups of sub-environments on threads: which error is returned, and which rows are written.
+//! Groups of sub-environments on threads: tests of the returned error and of the written rows.
 
 use gym_core::vector::{AsyncVectorEnv, Autoreset, Columns};
 use gym_core::{Array, Env, Error, Outcome, Reset, Result, Space, Value, VectorEnv, VectorEnvExt};
 
-/// Observes 100 times its number plus its steps. The action 9 ends the episode, 7 fails.
+/// An environment that observes `100 * number + steps`. The action 9 terminates the episode, the
+/// action 7 is an error.
 #[derive(Clone, Debug)]
 struct Numbered {
     number: i64,
@@ -42,7 +43,7 @@ impl Env for Numbered {
     }
 }
 
-/// A vector on two threads, which step groups of two.
+/// Returns a vector on two threads, each of which steps groups of two sub-environments.
 fn vector(autoreset: Autoreset) -> AsyncVectorEnv<Numbered> {
     let envs = (0..12).map(|number| Numbered { number, steps: 0 });
     let envs = AsyncVectorEnv::new(envs).unwrap();
@@ -51,7 +52,7 @@ fn vector(autoreset: Autoreset) -> AsyncVectorEnv<Numbered> {
     envs
 }
 
-/// The actions of a step: `action` for the sub-environments `at`, and 0 for the others.
+/// Returns the actions of a step: `action` for the sub-environments `at`, and 0 for the others.
 fn actions(action: i64, at: &[usize]) -> Value {
     let actions: Vec<i64> = (0..12)
         .map(|i| if at.contains(&i) { action } else { 0 })
@@ -66,7 +67,8 @@ fn failed(result: Result<()>) -> usize {
     }
 }
 
-/// Of several errors, a call returns that of the lowest index, in one group or in several.
+/// Of several errors, a call returns the error with the lowest index, in one group or in several
+/// groups.
 #[test]
 fn the_error_of_the_lowest_index_is_returned() {
     for at in [&[4, 5][..], &[5, 8], &[3, 4, 9, 11], &[1, 10, 11], &[11]] {
@@ -79,7 +81,7 @@ fn the_error_of_the_lowest_index_is_returned() {
     }
 }
 
-/// The row of a last observation is that of its sub-environment, also in the middle of a group.
+/// A final observation is in the row of its sub-environment, even in the middle of a group.
 #[test]
 fn last_observations_have_the_rows_of_their_sub_environments() {
     for at in 0..12 {

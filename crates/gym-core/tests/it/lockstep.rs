@@ -1,4 +1,4 @@
-//! Environments that step together and panic in a part of a step that goes ahead of its call.
+//! Environments that step together, and panic in one of the three parts of a step.
 
 use gym_core::registry::{VectorKind, make_vec};
 use gym_core::vector::VectorReset;
@@ -7,7 +7,8 @@ use gym_core::{
     Configure, Env, NoArguments, Outcome, Registration, Reset, Result, Space, Value, VectorEnvExt,
 };
 
-/// Counts its steps. Action 1 panics at the start of a step, 2 after its shared part, 3 at its end.
+/// An environment that counts its steps. Action 1 panics at the start of a step, action 2 after the
+/// shared part of a step, action 3 at the end of a step.
 #[derive(Clone, Debug, Default)]
 struct Brittle {
     steps: i64,
@@ -19,7 +20,7 @@ const BEGINS: i64 = 1;
 const COLLECTS: i64 = 2;
 const ENDS: i64 = 3;
 
-/// The number of environments of a group whose step has begun.
+/// The numbers of environments of a group whose step has begun and was solved.
 #[derive(Default)]
 struct Count {
     begun: usize,
@@ -126,7 +127,7 @@ fn a_panic_ahead_of_a_step_is_an_error_of_that_sub_environment_alone() {
             );
             assert_eq!(seen(&columns.observations), [2, 1, 2], "{what}");
             assert_eq!(columns.rewards, [1.0, 0.0, 1.0], "{what}");
-            // it needs a reset before the next step
+            // the sub-environment needs a reset before the next step
             let error = envs
                 .step_into(&actions(0), &mut columns)
                 .unwrap_err()

@@ -8,13 +8,14 @@ use gym_core::{
     VectorEnvExt,
 };
 
-/// Counts its steps. An episode has two steps. Resets fail after a given number.
+/// An environment that counts its steps. An episode has two steps. After `resets_left` resets,
+/// resets fail.
 #[derive(Clone, Debug)]
 struct Counter {
     rng: Generator,
     steps: i64,
     resets_left: u32,
-    /// Whether the info is a text; the other environments' is a number.
+    /// Whether the info is a text instead of a number.
     is_odd: bool,
     /// The step that observes one number instead of two.
     misfit: Option<i64>,
@@ -103,7 +104,7 @@ fn numbers_of_sixteen_bits_are_drawn_as_numpy_draws_them() {
         let threshold = (0x1_0000 - n) % n;
         let mut met = 0;
         for _ in 0..30_000 {
-            // the rest of a word after a draw is dropped
+            // the unused half of a word is dropped after a draw
             let mut halves = std::iter::repeat_with(|| rng.next_u32())
                 .flat_map(|word| [word & 0xffff, word >> 16]);
             let product = halves
@@ -134,7 +135,7 @@ fn the_shorter_choice_is_padded_with_its_first_number() {
     );
 }
 
-/// If the reset within a SameStep step fails, the columns have neither reward nor flag.
+/// If the reset within a step in SameStep mode fails, the columns have neither a reward nor a flag.
 #[test]
 fn a_step_that_fails_half_way_answers_nothing() {
     for autoreset in [Autoreset::SameStep, Autoreset::NextStep] {
@@ -228,7 +229,8 @@ fn a_value_that_a_column_cannot_hold_is_marked_as_missing() {
     assert_eq!(infos["_steps"], Value::Tuple(flags), "{infos:?}");
 }
 
-/// Returns given observations and rewards, one after the other; its space has two numbers.
+/// An environment that returns given observations and rewards, one after the other. Its space has
+/// two numbers.
 #[derive(Clone, Debug)]
 struct Told(std::vec::IntoIter<(i64, f64)>);
 
@@ -264,12 +266,12 @@ impl Env for Told {
     }
 }
 
-/// The checker checks resets and steps until one of each was sound. It skips episodes whose reset
-/// has options.
+/// The checker checks resets until one was valid, and steps until one was valid. It skips episodes
+/// whose reset has options.
 #[test]
 fn the_passive_checker_looks_until_it_has_seen_a_sound_answer() {
-    /// Answers to a reset (`r`), a reset with an option (`o`) or a step (`s`), and whether they are
-    /// refused.
+    /// The calls: reset (`r`), reset with an option (`o`) or step (`s`). For each: the observation
+    /// and reward, and whether the checker reports an error.
     const CALLS: [(char, i64, f64, bool); 18] = [
         ('r', 2, 0.0, true),
         ('r', -1, 0.0, true),

@@ -1,10 +1,10 @@
-//! The modules of the crate stand in an order, and each names only those before it.
+//! The modules of the crate have an order. Each module names only earlier modules.
 
 use std::collections::BTreeMap;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-/// The rooms, as `lib.rs` lists them.
+/// The top-level modules ("rooms"), in the order of `lib.rs`.
 const ROOMS: [&str; 9] = [
     "value", "drawing", "spec", "spaces", "env", "play", "vector", "wrappers", "registry",
 ];
@@ -23,7 +23,7 @@ fn sources(folder: &Path) -> Vec<PathBuf> {
     found
 }
 
-/// The code of a file, without comments.
+/// Returns the code of a file without comments.
 fn code(path: &Path) -> String {
     let text = fs::read_to_string(path).unwrap();
     text.lines()
@@ -32,11 +32,12 @@ fn code(path: &Path) -> String {
         .join("\n")
 }
 
-/// The paths after `prefix`: `a::x` and `b` of `crate::{a::x, b}`. A nested list counts as one.
+/// Returns the paths after `prefix`: for `crate::{a::x, b}`, these are `a::x` and `b`. A nested
+/// list counts as one path.
 fn paths<'a>(code: &'a str, prefix: &str) -> Vec<&'a str> {
     let mut found = Vec::new();
     for (at, _) in code.match_indices(prefix) {
-        // a path after `$` belongs to the user of a macro
+        // a path after `$` is part of a macro's expansion
         if code[..at].ends_with('$') {
             continue;
         }
@@ -79,7 +80,7 @@ fn each_room_names_only_earlier_rooms() {
         .collect();
     assert_eq!(modules, ROOMS, "the rooms of lib.rs");
 
-    // the room of each name that `lib.rs` re-exports
+    // the module of each name that `lib.rs` re-exports
     let mut places: BTreeMap<&str, usize> = BTreeMap::new();
     for (place, room) in ROOMS.iter().enumerate() {
         places.insert(room, place);
@@ -87,7 +88,7 @@ fn each_room_names_only_earlier_rooms() {
             places.insert(path.rsplit("::").next().unwrap_or(path), place);
         }
     }
-    // the room of each exported macro
+    // the module of each exported macro
     let files: Vec<(usize, PathBuf, String)> = ROOMS
         .iter()
         .enumerate()
@@ -110,7 +111,7 @@ fn each_room_names_only_earlier_rooms() {
         })
         .collect();
     for (name, place) in &exported {
-        // (`arguments` is a module too, in the same room)
+        // (`arguments` is a module too, in the same top-level module)
         places.insert(name, *place);
     }
 

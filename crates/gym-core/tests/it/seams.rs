@@ -7,14 +7,14 @@ use gym_core::{
     Result, Snapshot, Space, Stateful, Task, Transition, Value, VectorEnv, VectorEnvExt, registry,
 };
 
-/// An episode of 3 steps, whose observation is an array.
+/// A task with `budget` steps per episode, and an array as observation.
 #[derive(Clone, Debug)]
 struct Budget(Config);
 
 gym_core::arguments! {
     #[derive(Copy)]
     struct Config {
-        /// How many steps an episode has.
+        /// The number of steps of an episode.
         pub budget: f64 = 3.0,
     }
 }
@@ -249,7 +249,7 @@ fn snapshots_of_something_else_say_whose_they_are() {
     }
 }
 
-/// Vectors of every kind need a list of arguments with one entry per sub-environment.
+/// For vectors of every kind, a list of arguments must have one entry per sub-environment.
 #[test]
 fn lists_of_arguments_are_as_long_as_their_vector() {
     use gym_core::vector::VectorKind;

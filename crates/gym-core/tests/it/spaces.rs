@@ -1,4 +1,4 @@
-//! Rules for every space, and samples of Gymnasium 1.4.0 (numpy 2.4.6).
+//! Rules for every space, and samples recorded with Gymnasium 1.4.0 and numpy 2.4.6.
 
 use serde_json::{Value as Json, json};
 
@@ -47,7 +47,7 @@ fn graph(node_space: Space, edge_space: Option<Space>) -> Space {
     GraphSpace::new(node_space, edge_space).unwrap().into()
 }
 
-/// Every kind of space, and every kind inside another.
+/// Returns spaces of every kind, and of every kind inside another kind.
 fn many() -> Vec<Space> {
     let inf = f64::INFINITY;
     let mut spaces = vec![
@@ -397,9 +397,10 @@ fn a_choice_without_numbers_lies_in_the_flat_space() {
     }
 }
 
-/// Samples of integers near the limits of their type, recorded with Gymnasium at b8e70f27, which
-/// mended them after 1.4: type, low, high and the first samples of seed 3. (Up to the largest `int64`
-/// Gymnasium's computation overflows; there the samples are ours.)
+/// Samples of integers near the limits of their type: type, low, high and the first samples of seed
+/// 3. They are recorded with Gymnasium at b8e70f27, which fixed these samples after 1.4. (For a
+/// range up to the largest `int64`, Gymnasium's computation overflows; the expected samples are
+/// then our own.)
 #[test]
 fn integers_near_the_limits_are_sampled_as_in_gymnasium() {
     let cases: Vec<(String, Json, Json, Vec<Json>)> =

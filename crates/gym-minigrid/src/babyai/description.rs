@@ -74,7 +74,7 @@ impl Desc {
             && self.color.is_none_or(|color| cell.color() == color)
     }
 
-    /// Whether `pos` is in the room of the agent, in the direction `loc` from it.
+    /// Whether `pos` is in the agent's room `room`, in the direction `loc` from the agent.
     fn is_there(&self, world: &World, room: Area, pos: Pos) -> bool {
         let Some(loc) = self.loc else {
             return true;
@@ -92,7 +92,7 @@ impl Desc {
             }
     }
 
-    /// Finds the objects that fit the description, where the agent is in the room `room`.
+    /// Finds the objects that fit the description. `room` is the agent's room.
     pub(crate) fn find(&mut self, world: &World, room: Area) {
         self.objects.clear();
         self.places.clear();
@@ -104,7 +104,7 @@ impl Desc {
         }
     }
 
-    /// Updates the positions of the objects.
+    /// Updates `places`, the positions of the objects.
     pub(crate) fn update(&mut self, world: &World) {
         let mut places = std::mem::take(&mut self.places);
         places.clear();
@@ -121,7 +121,7 @@ impl Desc {
         cell.id() != 0 && self.objects.contains(&cell.id())
     }
 
-    /// The number of objects.
+    /// Returns the number of objects.
     pub(crate) fn count(&self) -> usize {
         self.objects.len()
     }
@@ -136,7 +136,7 @@ impl Desc {
         self.places.iter().any(|place| place.distance(pos) == 1)
     }
 
-    /// Whether one of the objects is next to one of the other description.
+    /// Whether one of the objects is next to an object of the description `other`.
     pub(crate) fn any_next_to(&self, other: &Self) -> bool {
         self.places.iter().any(|place| other.is_next_to(*place))
     }
@@ -153,7 +153,7 @@ impl Desc {
     pub(crate) fn is_valid(&self, world: &World) -> bool {
         self.objects.iter().all(|id| usize::from(*id) <= world.things.len())
             && self.places.iter().all(|pos| world.grid.contains(*pos))
-            // so that `update` does not allocate
+            // (so that `update` does not allocate)
             && self.places.len() <= self.objects.len()
     }
 }

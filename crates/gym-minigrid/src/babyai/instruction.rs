@@ -79,7 +79,7 @@ impl Instr {
         }
     }
 
-    /// The instruction `first, then second`.
+    /// Makes the instruction `first, then second`.
     pub(crate) fn before(first: Self, second: Self) -> Self {
         Self::Then {
             first: first.into(),
@@ -89,7 +89,7 @@ impl Instr {
         }
     }
 
-    /// The instruction `second after you first`.
+    /// Makes the instruction `second after you first`.
     pub(crate) fn after(second: Self, first: Self) -> Self {
         Self::Then {
             first: first.into(),
@@ -103,7 +103,7 @@ impl Instr {
         Self::And([a, b].into(), [false; 2])
     }
 
-    /// The instruction in words.
+    /// Returns the instruction in words.
     pub(crate) fn words(&self) -> String {
         match self {
             Self::GoTo(object) => format!("go to {}", object.words()),
@@ -150,7 +150,7 @@ impl Instr {
         }
     }
 
-    /// The descriptions of a single task.
+    /// Returns the descriptions of a single task.
     pub(crate) fn descriptions(&mut self) -> Vec<&mut Desc> {
         match self {
             Self::GoTo(object) | Self::Pickup { object, .. } => vec![object],
@@ -177,7 +177,7 @@ impl Instr {
         }
     }
 
-    /// The status of the task after an action.
+    /// Returns the status of the task after `action`.
     pub(crate) fn verify(&mut self, world: &World, action: Action) -> Status {
         let success = |is: bool| {
             if is {
@@ -247,7 +247,7 @@ impl Instr {
         }
     }
 
-    /// The number of walks that the task takes, which determines the step limit.
+    /// Returns the number of walks that the task needs. It determines the step limit.
     pub(crate) fn walks(&self) -> u32 {
         match self {
             Self::PutNext { .. } => 2,

@@ -103,7 +103,8 @@ impl LevelGen {
         })
     }
 
-    /// Draws a description that fits an object.
+    /// Draws descriptions until one fits an object. If the instruction may not need a locked room,
+    /// this object is outside of the locked room `locked`.
     fn object(
         &self,
         rooms: &mut Rooms<'_, '_>,

@@ -1,8 +1,8 @@
 //! BabyAI: instructions in words, on grids of rooms. A module for each kind of instruction.
 //!
 //! A level places objects, doors and the agent, and forms an [`Instr`]. The mission is the
-//! instruction in words; the episode ends when it is done. Levels that cannot be used are made
-//! anew.
+//! instruction in words; the episode ends when it is done. Levels that cannot be solved are
+//! generated again.
 
 mod description;
 pub mod go_to;
@@ -170,7 +170,7 @@ pub(crate) fn step(world: &mut World, action: Action) -> Outcome {
     }
 }
 
-/// The colours of the locked doors.
+/// Returns the colours of the locked doors.
 fn locked_colors(rooms: &Rooms<'_, '_>) -> Vec<Color> {
     let doors = rooms
         .doors()
@@ -182,7 +182,8 @@ fn locked_colors(rooms: &Rooms<'_, '_>) -> Vec<Color> {
         .collect()
 }
 
-/// Finds the objects of a single task. Refuses tasks that are already done or cannot be done.
+/// Finds the objects of a single task. Returns an error for a task that is already done or cannot
+/// be done.
 fn validate(instr: &mut Instr, world: &World, room: crate::Area, locked: &[Color]) -> Making {
     for desc in instr.descriptions() {
         desc.find(world, room);
@@ -205,7 +206,7 @@ fn validate(instr: &mut Instr, world: &World, room: crate::Area, locked: &[Color
     Ok(())
 }
 
-/// Whether the agent can reach every object: doors do not block it, objects do.
+/// Whether the agent can reach every object. Doors do not block the agent, objects do.
 pub(crate) fn all_reachable(world: &World) -> bool {
     let grid = &world.grid;
     let index = |pos: Pos| (pos.y * grid.width() + pos.x) as usize;
@@ -225,7 +226,7 @@ pub(crate) fn all_reachable(world: &World) -> bool {
     grid.cells().iter().zip(reached).all(is_fine)
 }
 
-/// Refuses a level with an object that the agent cannot reach.
+/// Returns an error for a level with an object that the agent cannot reach.
 pub(crate) fn check_reachable(rooms: &Rooms<'_, '_>) -> Making {
     if all_reachable(rooms.draft.world) {
         Ok(())

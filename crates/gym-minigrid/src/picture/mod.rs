@@ -1,4 +1,4 @@
-//! Pictures, pixel for pixel as minigrid draws them: one tile for each cell.
+//! Frames, pixel for pixel as minigrid draws them: one tile for each cell.
 
 mod shapes;
 mod tile;
@@ -12,10 +12,10 @@ use crate::level::View;
 use crate::{Cell, Facts, Pos, World};
 use tile::{Patch, Scene};
 
-/// The largest width and height of a picture.
+/// The largest width and height of a frame.
 const MAX_PIXELS: u32 = 16384;
 
-/// The settings of an environment's pictures, and a cache of drawn tiles.
+/// The settings of an environment's frames, and a cache of drawn tiles.
 #[derive(Debug)]
 pub(crate) struct Picture {
     view: View,
@@ -44,7 +44,7 @@ impl Picture {
         })
     }
 
-    /// Width and height in pixels.
+    /// Returns width and height in pixels.
     pub(crate) fn size(&self) -> (u32, u32) {
         self.size
     }
@@ -76,7 +76,7 @@ impl Picture {
         });
     }
 
-    /// Calls `f` with the patches of each tile, and its top left pixel.
+    /// Calls `f` with each patch of each tile, and the top left pixel of the tile.
     fn each(&self, world: &World, facts: &Facts, f: &mut dyn FnMut([usize; 2], &Patch)) {
         let size = self.view.agent_view_size as i32;
         let view = world.view(size);

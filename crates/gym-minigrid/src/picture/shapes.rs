@@ -6,7 +6,7 @@ use gym_core::math;
 /// A set of points of the unit square.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Shape {
-    /// A rectangle: its columns, then its rows, edges included.
+    /// A rectangle, edges included: left, right, top, bottom.
     Rect([f64; 4]),
     /// A circle: centre and radius.
     Circle([f64; 3]),
@@ -17,7 +17,7 @@ pub(super) enum Shape {
 }
 
 impl Shape {
-    /// Whether a point lies within.
+    /// Whether the point `x`, `y` lies in the shape.
     pub(super) fn has(&self, x: f64, y: f64) -> bool {
         match *self {
             Self::Rect([left, right, top, bottom]) => {
@@ -30,12 +30,13 @@ impl Shape {
     }
 }
 
-/// The `float32` dot product of two vectors. The sum is computed in `float64`, and rounded once.
+/// Returns the `float32` dot product of two vectors. The sum is computed in `float64` and rounded
+/// once.
 fn dot32([a, b]: [f32; 2], [c, d]: [f32; 2]) -> f32 {
     (f64::from(a) * f64::from(c) + f64::from(b) * f64::from(d)) as f32
 }
 
-/// The `float64` dot product with a vector in `float32`.
+/// Returns the `float64` dot product of a `float32` vector and a `float64` vector.
 fn dot64([a, b]: [f32; 2], [c, d]: [f64; 2]) -> f64 {
     f64::from(a) * c + f64::from(b) * d
 }
@@ -57,7 +58,8 @@ fn is_near_line([x0, y0, x1, y1]: [f64; 4], r: f64, x: f64, y: f64) -> bool {
     (dx * dx + dy * dy).sqrt() <= r
 }
 
-/// Whether a point is in the agent's triangle. It points right, and is rotated about the centre.
+/// Whether the point `x`, `y` is in the agent's triangle, which points right and is rotated about
+/// the centre to `direction`.
 fn is_in_agent(direction: u8, x: f64, y: f64) -> bool {
     let angle = -(0.5 * std::f64::consts::PI * f64::from(direction));
     let (sin, cos) = (math::sin(angle), math::cos(angle));

@@ -6,7 +6,7 @@ use crate::{Cell, Kind, State};
 /// The factor by which shapes are drawn larger.
 const SUBDIVISIONS: usize = 3;
 
-/// What a tile shows.
+/// The content of a tile.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) struct Scene {
     /// Kind, colour and state.
@@ -37,7 +37,7 @@ impl Scene {
         }
     }
 
-    /// Draws the tile as patches; black patches are left out.
+    /// Draws the tile of `size` by `size` pixels as patches, without black patches.
     pub(super) fn patches(&self, cell: Cell, size: usize) -> Vec<Patch> {
         let pixels = self.pixels(cell, size);
         let rows: Vec<&[[u8; 3]]> = pixels.chunks(size).collect();
@@ -92,7 +92,7 @@ impl Scene {
         (0..size * size).map(average).collect()
     }
 
-    /// The shapes of the tile, from the lowest to the highest.
+    /// Returns the shapes of the tile; later shapes cover earlier shapes.
     fn layers(&self, cell: Cell) -> Layers {
         let grey = [100; 3];
         let mut layers = vec![

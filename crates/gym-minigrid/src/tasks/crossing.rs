@@ -18,7 +18,7 @@ use super::ids;
 use crate::level::{Level, Rules, level};
 use crate::{Cell, Draft, Making, Pos};
 
-/// What stands in the way.
+/// The kind of obstacle in the agent's way.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Obstacle {

@@ -28,7 +28,7 @@ use gym_core::registry::Exceptions;
 use crate::draft::Area;
 use crate::{Action, Cell, Color, Draft, Kind, Making, Pos, World};
 
-/// The square of `size`, saturating.
+/// Returns the square of `size`; the largest number if it overflows.
 pub(crate) fn square(size: u32) -> u32 {
     size.saturating_mul(size)
 }
@@ -79,12 +79,12 @@ macro_rules! ids {
 }
 pub(crate) use ids;
 
-/// The words for kinds.
+/// Returns the words for `kinds`.
 pub(crate) fn names(kinds: &[Kind]) -> Vec<&'static str> {
     kinds.iter().map(|kind| kind.name()).collect()
 }
 
-/// The words for a cell, such as `blue ball`.
+/// Returns the words for a cell, such as `blue ball`.
 pub(crate) fn describe(cell: Cell) -> String {
     format!("{} {}", cell.color().name(), cell.kind().name())
 }
@@ -94,14 +94,14 @@ pub(crate) fn is_alike(a: Cell, b: Cell) -> bool {
     (a.kind(), a.color()) == (b.kind(), b.color())
 }
 
-/// A random position inside the walls of a room.
+/// Draws a position inside the walls of a room.
 pub(crate) fn inside(draft: &mut Draft<'_>, room: Area) -> Making<Pos> {
     let end = room.top + room.size - Pos::new(1, 1);
     let x = draft.int(room.top.x + 1, end.x)?;
     Ok(Pos::new(x, draft.int(room.top.y + 1, end.y)?))
 }
 
-/// A step of a task that terminates when the agent picks up the first target.
+/// Takes a step of a task that terminates when the agent picks up the first target.
 pub(crate) fn pick_up(world: &mut World, action: Action) -> Outcome {
     let mut outcome = world.step(action);
     if action == Action::Pickup && world.carrying == world.target(0) {

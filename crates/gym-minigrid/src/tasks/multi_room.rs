@@ -94,7 +94,7 @@ impl Level for MultiRoom {
 }
 
 impl MultiRoom {
-    /// Adds a room behind a door in its wall `entry`, and up to `left - 1` rooms behind that one.
+    /// Adds a room with a door in its wall `entry`, and up to `left - 1` further rooms behind it.
     /// Returns whether the room fits.
     fn add_room(
         &self,

@@ -28,7 +28,7 @@ const BALL: Color = Color::SORTED[0];
 const BLOCKING: Color = Color::SORTED[1];
 /// The colour of boxes.
 const BOX: Color = Color::SORTED[2];
-/// Columns and rows of the rooms beside the middle one.
+/// Columns and rows of the rooms beside the middle room.
 const SIDES: [(i32, i32); 4] = [(2, 1), (1, 2), (0, 1), (1, 0)];
 const CORNERS: [(i32, i32); 4] = [(2, 0), (2, 2), (0, 2), (0, 0)];
 

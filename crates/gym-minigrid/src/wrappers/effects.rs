@@ -105,7 +105,7 @@ impl<C: Effect, E: Env> gym_core::Wrapper for Affected<C, E> {
         let other = other.and_then(|number| E::Action::from_value(&Value::Int(number)));
         let action = other.as_ref().unwrap_or(action);
         let stepped = env.step_into(action, observation);
-        // a step that was refused has drawn nothing
+        // a refused step must not draw from the generator
         if let (Err(_), Some(rng)) = (&stepped, env.generator()) {
             *rng = before;
         }
@@ -138,12 +138,12 @@ impl<C: Effect, E: Env> gym_core::Wrapper for Affected<C, E> {
     }
 }
 
-/// The world of an environment, or an error before the first reset.
+/// Returns the world of an environment, or an error before the first reset.
 fn world<E: Env>(env: &E) -> Result<&World> {
     env.layer::<World>().ok_or(Error::ResetNeeded("step"))
 }
 
-/// Counts a situation, and returns its bonus.
+/// Counts one more visit of the situation `index`, and returns the bonus.
 fn bonus(counts: &mut [u32], index: usize) -> f64 {
     let Some(count) = counts.get_mut(index) else {
         return 0.0;
@@ -152,7 +152,7 @@ fn bonus(counts: &mut [u32], index: usize) -> f64 {
     1.0 / f64::from(*count).sqrt()
 }
 
-/// The index of the agent's cell.
+/// Returns the index of the agent's cell.
 fn place(world: &World) -> usize {
     (world.agent.y * world.grid.width() + world.agent.x) as usize
 }

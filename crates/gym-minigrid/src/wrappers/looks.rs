@@ -138,7 +138,7 @@ impl<C: Look, E: Env<Observation = Value>> gym_core::Wrapper for Looking<C, E> {
     }
 }
 
-/// The space of byte arrays of a shape.
+/// Returns the space of byte arrays with the shape `shape`.
 fn bytes(shape: [u32; 3]) -> Result<Space> {
     BoxSpace::uniform(0.0, 255.0, shape.map(|n| n as usize), DType::U8).map(Space::from)
 }
@@ -293,8 +293,8 @@ gym_core::register_wrapper!(
     "RGBImgPartialObsWrapper", "observes a picture of what the agent sees", RgbImgPartialObs, env: Looking::<RgbImgPartialObs>::new
 );
 
-/// The settings of a picture with cells of `tile_size` pixels: of the agent's view if `agent_pov`,
-/// else of the whole grid.
+/// Returns the settings of an image with cells of `tile_size` pixels. The image shows the agent's
+/// view if `agent_pov`, else the whole grid.
 fn with_tiles(facts: &Facts, tile_size: u32, agent_pov: bool) -> Facts {
     let mut facts = facts.clone();
     facts.view.tile_size = tile_size;
@@ -302,7 +302,7 @@ fn with_tiles(facts: &Facts, tile_size: u32, agent_pov: bool) -> Facts {
     facts
 }
 
-/// The space of pictures with these settings.
+/// Returns the space of images with the settings `facts`.
 fn picture_space<C: Look>(facts: &Facts) -> Result<Space> {
     let (width, height) = Picture::new(facts).map_err(C::refuse)?.size();
     bytes([height, width, 3])
@@ -386,7 +386,7 @@ impl Look for DirectionObs {
     }
 }
 
-/// The position of the first goal, row by row.
+/// Returns the position of the first goal, row by row.
 fn goal(grid: &Grid) -> Option<Pos> {
     let index = grid.cells().iter().position(|cell| cell.is(Kind::Goal))? as i32;
     Some(Pos::new(index % grid.width(), index / grid.width()))

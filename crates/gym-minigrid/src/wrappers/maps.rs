@@ -17,7 +17,7 @@ const WORDS: &str = "red green blue yellow purple grey unseen empty wall floor b
                      traverse up the a at , square and then to of rooms near opening must you \
                      matching end hallway object from room maze";
 
-/// A member of a dict observation.
+/// Returns the member `key` of a dict observation.
 fn member<'a>(observation: &'a Value, key: &str) -> Result<&'a Value> {
     let missing = || Error::Contract(format!("the observation {observation} has no `{key}`"));
     observation.get(key).ok_or_else(missing)
@@ -37,7 +37,7 @@ fn cells(observation: &Value) -> Result<&[u8]> {
         .ok_or_else(not_cells)
 }
 
-/// The dict space of minigrid's observations, and the space of its image.
+/// Returns `space` as the dict space of minigrid's observations, and the space of its image.
 fn image_of<C: WrapperConfig>(space: &Space) -> Result<(&DictSpace, &BoxSpace)> {
     if let Space::Dict(dict) = space
         && let Some(Space::Box(image)) = dict.get("image")
@@ -49,7 +49,7 @@ fn image_of<C: WrapperConfig>(space: &Space) -> Result<(&DictSpace, &BoxSpace)> 
     )))
 }
 
-/// The dict space with the member `key` replaced or added.
+/// Returns `dict` with the member `key` replaced or added.
 pub(super) fn with_member(dict: &DictSpace, key: &str, space: Space) -> Result<Space> {
     let others = dict
         .spaces()

@@ -13,14 +13,14 @@ macro_rules! ensure {
     };
 }
 
+mod actuators;
 pub(crate) mod bounds;
 mod check;
 mod complete;
 mod constants;
-mod drives;
+mod constraints;
 mod features;
 mod kinds;
-mod laws;
 mod lookup;
 mod mix;
 mod pairs;
@@ -36,12 +36,12 @@ use serde::{Deserialize, Serialize};
 use crate::{Error, Result};
 pub use complete::{Fluid, Parameters};
 pub(crate) use constants::{body_sizes, bounding_radius, mark_simple, with_constants};
+pub(crate) use constraints::{Equality, Scalar};
 pub(crate) use kinds::{About, Stage};
 pub use kinds::{
     BiasType, Cone, DynamicsType, EqualityType, GainType, GeomType, Integrator, JointType,
     ObjectType, SensorType, Solver, TransmissionType, WrapType,
 };
-pub(crate) use laws::{Equality, Scalar};
 pub(crate) use pairs::{Pair, Reach};
 pub(crate) use plan::{Bounds, Limit, Placed, Plan, Softness, same, same_quat};
 pub use revision::Revision;

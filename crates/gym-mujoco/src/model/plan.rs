@@ -4,7 +4,7 @@
 use std::ops::Range;
 
 use super::bounds::Tree;
-use super::laws::Laws;
+use super::constraints::ModelConstraints;
 use super::pairs::{Pair, Reach, most_contacts};
 use super::paths::Paths;
 use super::{
@@ -51,7 +51,7 @@ pub(crate) struct Plan {
     /// Joints with limits.
     pub(crate) limits: Vec<Limit>,
     /// Equality constraints, dry friction and tendon limits.
-    pub(crate) laws: Laws,
+    pub(crate) constraints: ModelConstraints,
     /// Whether all rows only push, so that rows need no type.
     pub(crate) plain: bool,
     /// Tendons.
@@ -300,15 +300,15 @@ impl Plan {
             limits: Vec::new(),
             plain: {
                 let elliptic = m.opt.cone == Cone::Elliptic;
-                !elliptic && !Laws::new(m).pull()
+                !elliptic && !ModelConstraints::new(m).can_pull()
             },
-            laws: Laws::new(m),
+            constraints: ModelConstraints::new(m),
             paths: Paths::default(),
-            motors: super::drives::motors(m),
-            steady: super::drives::steady(m),
-            servos: super::drives::servos(m),
-            transmits: super::drives::transmits(m),
-            periods: super::drives::periods(m),
+            motors: super::actuators::motors(m),
+            steady: super::actuators::steady(m),
+            servos: super::actuators::servos(m),
+            transmits: super::actuators::transmits(m),
+            periods: super::actuators::periods(m),
             tendon_forces: m.tendon_actfrclimited.contains(&true),
             gravcomp: !off(Disable::Gravity)
                 && m.opt.gravity != [0.0; 3]
@@ -390,7 +390,7 @@ impl Plan {
     pub(crate) fn bounds(&self) -> Bounds {
         // both sides of each limit
         let limits = 2 * self.limits.len();
-        let (blocks, rows) = self.laws.most();
+        let (blocks, rows) = self.constraints.most();
         let mut bounds = Bounds {
             contacts: 0,
             blocks: limits + blocks,

@@ -25,19 +25,25 @@ pub(super) fn subtract(m: &Model, d: &mut Data) {
             EqualityType::Weld => true,
             EqualityType::Joint | EqualityType::Tendon => continue,
         };
-        let Some(law) = m.plan().laws.equalities.iter().find(|law| law.id == id) else {
+        let Some(constraint) = m
+            .plan()
+            .constraints
+            .equalities
+            .iter()
+            .find(|constraint| constraint.id == id)
+        else {
             continue;
         };
-        let points = anchors(m, d, law);
-        let [first, second] = [0, 1].map(|k| of_point(m, d, law.bodies[k], points[k]));
+        let points = anchors(m, d, constraint);
+        let [first, second] = [0, 1].map(|k| of_point(m, d, constraint.bodies[k], points[k]));
         for k in 0..3 {
             d.efc.aref[row + k] -= first.0[k] - second.0[k];
         }
         if weld {
             let turning = sub(first.1, second.1);
             let bias = match m.revision {
-                Revision::V3_12 => turned::<InTurn>(m, d, law, turning),
-                Revision::V4_0 => turned::<Pairwise>(m, d, law, turning),
+                Revision::V3_12 => turned::<InTurn>(m, d, constraint, turning),
+                Revision::V4_0 => turned::<Pairwise>(m, d, constraint, turning),
             };
             for (aref, bias) in d.efc.aref[row + 3..row + 6].iter_mut().zip(bias) {
                 *aref -= bias;
@@ -92,14 +98,14 @@ fn quat_rate(q: Quat, w: Vec3) -> Quat {
 }
 
 /// `Jdot v` of the orientation rows of a weld.
-fn turned<O: Order>(m: &Model, d: &Data, law: &Equality, turning: Vec3) -> Vec3 {
-    let (ahead, back) = orientations::<O>(m, d, law);
-    let [w1, w2] = law.bodies.map(|body| rotation(&d.cvel[body]));
+fn turned<O: Order>(m: &Model, d: &Data, constraint: &Equality, turning: Vec3) -> Vec3 {
+    let (ahead, back) = orientations::<O>(m, d, constraint);
+    let [w1, w2] = constraint.bodies.map(|body| rotation(&d.cvel[body]));
     let relative = sub(w1, w2);
     let inverse = |[w, x, y, z]: Quat| [w, -x, -y, -z];
-    let [b1, b2] = law.bodies;
-    let (ahead_rate, back_rate) = if m.eq_objtype[law.id] == ObjectType::Body {
-        let data = &m.eq_data[law.id];
+    let [b1, b2] = constraint.bodies;
+    let (ahead_rate, back_rate) = if m.eq_objtype[constraint.id] == ObjectType::Body {
+        let data = &m.eq_data[constraint.id];
         let pose = [data[6], data[7], data[8], data[9]];
         (
             O::mul_quat(quat_rate(d.xquat[b1], w1), pose),
@@ -114,6 +120,6 @@ fn turned<O: Order>(m: &Model, d: &Data, law: &Equality, turning: Vec3) -> Vec3 
     let first = around(back_rate, relative, ahead);
     let second = around(back, turning, ahead);
     let third = around(back, relative, ahead_rate);
-    let torque = m.eq_data[law.id][10];
+    let torque = m.eq_data[constraint.id][10];
     std::array::from_fn(|k| 0.5 * (first[1 + k] + second[1 + k] + third[1 + k]) * torque)
 }

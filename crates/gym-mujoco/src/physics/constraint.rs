@@ -235,7 +235,7 @@ pub(crate) fn mul_jacobian(
 #[inline(always)]
 pub fn make_constraint(m: &Model, d: &mut Data) {
     d.efc.clear();
-    if m.plan().laws.pull() {
+    if m.plan().constraints.can_pull() {
         rows::equality(m, d);
         rows::friction(m, d);
     }
@@ -508,7 +508,7 @@ pub fn reference_constraint(m: &Model, d: &mut Data) {
         let [stiffness, damping, impedance, _] = efc.kbip[i];
         efc.aref[i] = -damping * efc.vel[i] - stiffness * impedance * (efc.pos[i] - efc.margin[i]);
     }
-    if !m.plan().laws.equalities.is_empty() {
+    if !m.plan().constraints.equalities.is_empty() {
         bias::subtract(m, d);
     }
 }

@@ -77,17 +77,23 @@ fn equalities(m: &Model, d: &mut Data) {
         let three = |first: usize| -> Vec3 { std::array::from_fn(|k| d.efc.force[first + k]) };
         let force = three(block.row);
         let torque = if weld { three(block.row + 3) } else { [0.0; 3] };
-        let Some(law) = m.plan().laws.equalities.iter().find(|law| law.id == id) else {
+        let Some(constraint) = m
+            .plan()
+            .constraints
+            .equalities
+            .iter()
+            .find(|constraint| constraint.id == id)
+        else {
             continue;
         };
         let torque = if weld && m.revision == Revision::V4_0 {
-            rows::weld_torque(m, d, law, torque)
+            rows::weld_torque(m, d, constraint, torque)
         } else {
             torque
         };
-        let points = rows::anchors(m, d, law);
+        let points = rows::anchors(m, d, constraint);
         for (k, sign) in [(0, 1.0), (1, -1.0)] {
-            let body = law.bodies[k];
+            let body = constraint.bodies[k];
             if body > 0 {
                 let offset = sub(d.subtree_com[m.body_rootid[body]], points[k]);
                 let about = sub(torque, cross(offset, force));

@@ -20,30 +20,30 @@ use crate::{Contact, Data, Model, Revision};
 /// Adds the rows of active equality constraints: MuJoCo's `mj_instantiateEquality`.
 #[inline(never)]
 pub(super) fn equality(m: &Model, d: &mut Data) {
-    for law in &m.plan().laws.equalities {
-        match (law.kind, m.revision) {
+    for constraint in &m.plan().constraints.equalities {
+        match (constraint.kind, m.revision) {
             (EqualityType::Connect | EqualityType::Weld, Revision::V3_12) => {
-                bodies::<InTurn>(m, d, law);
+                bodies::<InTurn>(m, d, constraint);
             }
             (EqualityType::Connect | EqualityType::Weld, Revision::V4_0) => {
-                bodies::<Pairwise>(m, d, law);
+                bodies::<Pairwise>(m, d, constraint);
             }
-            (EqualityType::Joint | EqualityType::Tendon, _) => polynomial(m, d, law),
+            (EqualityType::Joint | EqualityType::Tendon, _) => polynomial(m, d, constraint),
         }
     }
 }
 
 /// The two anchor points, in the world, of a connect or weld constraint: MuJoCo's
 /// `mj_equalityAnchors`.
-pub(super) fn anchors(m: &Model, d: &Data, law: &Equality) -> [Vec3; 2] {
-    let ids = [m.eq_obj1id[law.id], m.eq_obj2id[law.id]].map(|id| id as usize);
-    if m.eq_objtype[law.id] == ObjectType::Site {
+pub(super) fn anchors(m: &Model, d: &Data, constraint: &Equality) -> [Vec3; 2] {
+    let ids = [m.eq_obj1id[constraint.id], m.eq_obj2id[constraint.id]].map(|id| id as usize);
+    if m.eq_objtype[constraint.id] == ObjectType::Site {
         return ids.map(|site| d.site_xpos[site]);
     }
-    let data = &m.eq_data[law.id];
+    let data = &m.eq_data[constraint.id];
     let parts = [[data[0], data[1], data[2]], [data[3], data[4], data[5]]];
     // the first anchor of a weld is given in the second body's frame
-    let parts = if law.kind == EqualityType::Weld {
+    let parts = if constraint.kind == EqualityType::Weld {
         [parts[1], parts[0]]
     } else {
         parts
@@ -53,15 +53,15 @@ pub(super) fn anchors(m: &Model, d: &Data, law: &Equality) -> [Vec3; 2] {
 
 /// The orientation that a weld demands of its second body, and the inverse of that body's
 /// orientation.
-pub(super) fn orientations<O: Order>(m: &Model, d: &Data, law: &Equality) -> (Quat, Quat) {
-    let ids = [m.eq_obj1id[law.id], m.eq_obj2id[law.id]].map(|id| id as usize);
+pub(super) fn orientations<O: Order>(m: &Model, d: &Data, constraint: &Equality) -> (Quat, Quat) {
+    let ids = [m.eq_obj1id[constraint.id], m.eq_obj2id[constraint.id]].map(|id| id as usize);
     let inverse = |[w, x, y, z]: Quat| [w, -x, -y, -z];
-    if m.eq_objtype[law.id] == ObjectType::Body {
-        let data = &m.eq_data[law.id];
+    if m.eq_objtype[constraint.id] == ObjectType::Body {
+        let data = &m.eq_data[constraint.id];
         let pose = [data[6], data[7], data[8], data[9]];
         (O::mul_quat(d.xquat[ids[0]], pose), inverse(d.xquat[ids[1]]))
     } else {
-        let [b1, b2] = law.bodies;
+        let [b1, b2] = constraint.bodies;
         (
             O::mul_quat(d.xquat[b1], m.site_quat[ids[0]]),
             inverse(O::mul_quat(d.xquat[b2], m.site_quat[ids[1]])),
@@ -70,9 +70,9 @@ pub(super) fn orientations<O: Order>(m: &Model, d: &Data, law: &Equality) -> (Qu
 }
 
 /// The torque, in the world, of a weld's orientation rows.
-pub(super) fn weld_torque(m: &Model, d: &Data, law: &Equality, rows: Vec3) -> Vec3 {
-    let (ahead, back) = orientations::<Pairwise>(m, d, law);
-    let torque = m.eq_data[law.id][10];
+pub(super) fn weld_torque(m: &Model, d: &Data, constraint: &Equality, rows: Vec3) -> Vec3 {
+    let (ahead, back) = orientations::<Pairwise>(m, d, constraint);
+    let torque = m.eq_data[constraint.id][10];
     std::array::from_fn(|k| {
         let mut axis = [0.0; 3];
         axis[k] = 1.0;
@@ -81,25 +81,25 @@ pub(super) fn weld_torque(m: &Model, d: &Data, law: &Equality, rows: Vec3) -> Ve
     })
 }
 
-fn bodies<O: Order>(m: &Model, d: &mut Data, law: &Equality) {
-    let points = anchors(m, d, law);
-    let weld = law.kind == EqualityType::Weld;
-    let [b1, b2] = law.bodies;
+fn bodies<O: Order>(m: &Model, d: &mut Data, constraint: &Equality) {
+    let points = anchors(m, d, constraint);
+    let weld = constraint.kind == EqualityType::Weld;
+    let [b1, b2] = constraint.bodies;
     let apart = sub(points[0], points[1]);
     let mut pos = [0.0; 6];
     pos[..3].copy_from_slice(&apart);
-    let data = &m.eq_data[law.id];
+    let data = &m.eq_data[constraint.id];
     let torque = data[10];
     let identity: Quat = [1.0, 0.0, 0.0, 0.0];
     let (mut ahead, mut back) = (identity, identity);
     if weld {
-        (ahead, back) = orientations::<O>(m, d, law);
+        (ahead, back) = orientations::<O>(m, d, constraint);
         let error = O::mul_quat(back, ahead);
         for k in 0..3 {
             pos[3 + k] = error[1 + k] * torque;
         }
     }
-    let rows = law.kind.rows();
+    let rows = constraint.kind.rows();
     let (chain1, chain2) = (m.plan().chain(b1), m.plan().chain(b2));
     let last = chain1.last().max(chain2.last());
     let Some(&last) = last else { return };
@@ -107,7 +107,7 @@ fn bodies<O: Order>(m: &Model, d: &mut Data, law: &Equality) {
     let tree = m.dof_treeid[*chain1.last().or(chain2.last()).unwrap_or(&last)];
     let row = push_block(
         efc,
-        Source::Equality(law.id),
+        Source::Equality(constraint.id),
         Kind::Equality,
         rows,
         last / 4 + 1,
@@ -145,8 +145,8 @@ fn bodies<O: Order>(m: &Model, d: &mut Data, law: &Equality) {
     let efc = &mut d.efc;
     let distance = dot_slices(&pos[..rows], &pos[..rows]).sqrt();
     for k in 0..rows {
-        let diag = law.diag[usize::from(k > 2)];
-        push_rows(efc, &law.softness, (pos[k], distance), 0.0, diag, 1);
+        let diag = constraint.diag[usize::from(k > 2)];
+        push_rows(efc, &constraint.softness, (pos[k], distance), 0.0, diag, 1);
     }
 }
 
@@ -175,8 +175,8 @@ pub(super) fn mul_quat_axis<O: Order>(q: Quat, a: Vec3) -> Quat {
 
 /// Adds the row of a joint or tendon equality: one position is a polynomial of another, or
 /// constant.
-fn polynomial(m: &Model, d: &mut Data, law: &Equality) {
-    let joint = law.kind == EqualityType::Joint;
+fn polynomial(m: &Model, d: &mut Data, constraint: &Equality) {
+    let joint = constraint.kind == EqualityType::Joint;
     let place = |id: usize| {
         if joint {
             let p = m.jnt_qposadr[id];
@@ -185,8 +185,11 @@ fn polynomial(m: &Model, d: &mut Data, law: &Equality) {
             (d.ten_length[id], m.tendon_length0[id])
         }
     };
-    let data = &m.eq_data[law.id];
-    let (first, second) = (m.eq_obj1id[law.id] as usize, m.eq_obj2id[law.id]);
+    let data = &m.eq_data[constraint.id];
+    let (first, second) = (
+        m.eq_obj1id[constraint.id] as usize,
+        m.eq_obj2id[constraint.id],
+    );
     let (now, rest) = place(first);
     let (mut pos, mut slope) = (now - rest - data[0], 0.0);
     let second = usize::try_from(second).ok();
@@ -205,7 +208,7 @@ fn polynomial(m: &Model, d: &mut Data, law: &Equality) {
         d,
         joint,
         &objects,
-        (Source::Equality(law.id), Kind::Equality),
+        (Source::Equality(constraint.id), Kind::Equality),
     ) else {
         return;
     };
@@ -221,9 +224,17 @@ fn polynomial(m: &Model, d: &mut Data, law: &Equality) {
             }
         }
     }
-    if !drop_zeros(&mut d.efc, row) {
-        push_rows(&mut d.efc, &law.softness, (pos, pos), 0.0, law.diag[0], 1);
+    if drop_zeros(&mut d.efc, row) {
+        return;
     }
+    push_rows(
+        &mut d.efc,
+        &constraint.softness,
+        (pos, pos),
+        0.0,
+        constraint.diag[0],
+        1,
+    );
 }
 
 fn add_row(efc: &mut Constraints, row: usize, dof: usize, value: f64) {
@@ -268,30 +279,37 @@ fn push_scalar(
 /// Adds rows of dry friction: MuJoCo's `mj_instantiateFriction`.
 #[inline(never)]
 pub(super) fn friction(m: &Model, d: &mut Data) {
-    let laws = &m.plan().laws;
-    for law in &laws.dof_frictions {
-        let (dof, tree) = (law.id, m.dof_treeid[law.id]);
+    let constraints = &m.plan().constraints;
+    for constraint in &constraints.dof_frictions {
+        let (dof, tree) = (constraint.id, m.dof_treeid[constraint.id]);
         let source = Source::DofFriction(dof);
         let row = push_block(&mut d.efc, source, Kind::Friction, 1, dof / 4 + 1, tree);
         set_row(&mut d.efc, row, dof, 1.0);
-        push_friction(d, law);
+        push_friction(d, constraint);
     }
-    for law in &laws.tendon_frictions {
-        let source = (Source::TendonFriction(law.id), Kind::Friction);
-        if let Some(row) = push_scalar(m, d, false, &[Some(law.id)], source) {
-            tendon_row(m, d, row, law.id, 1.0);
-            push_friction(d, law);
+    for constraint in &constraints.tendon_frictions {
+        let source = (Source::TendonFriction(constraint.id), Kind::Friction);
+        if let Some(row) = push_scalar(m, d, false, &[Some(constraint.id)], source) {
+            tendon_row(m, d, row, constraint.id, 1.0);
+            push_friction(d, constraint);
         }
     }
 }
 
-fn push_friction(d: &mut Data, law: &Scalar) {
+fn push_friction(d: &mut Data, constraint: &Scalar) {
     let efc = &mut d.efc;
-    push_rows(efc, &law.softness, (0.0, 0.0), 0.0, law.diag, 1);
+    push_rows(
+        efc,
+        &constraint.softness,
+        (0.0, 0.0),
+        0.0,
+        constraint.diag,
+        1,
+    );
     let row = efc.nefc() - 1;
     efc.kbip[row][0] = 0.0;
     efc.loss.resize(row + 1, 0.0);
-    efc.loss[row] = law.loss;
+    efc.loss[row] = constraint.loss;
 }
 
 fn tendon_row(m: &Model, d: &mut Data, row: usize, tendon: usize, factor: f64) {
@@ -335,8 +353,8 @@ pub(super) fn ball_limit(m: &Model, d: &mut Data, limit: &Limit) {
 /// Adds the rows of active tendon limits.
 #[inline(never)]
 pub(super) fn tendon_limits(m: &Model, d: &mut Data) {
-    for law in &m.plan().laws.tendon_limits {
-        let (t, margin) = (law.id, m.tendon_margin[law.id]);
+    for constraint in &m.plan().constraints.tendon_limits {
+        let (t, margin) = (constraint.id, m.tendon_margin[constraint.id]);
         for (side, bound) in [-1.0, 1.0].into_iter().zip(m.tendon_range[t]) {
             let dist = side * (bound - d.ten_length[t]);
             if dist >= margin {
@@ -345,7 +363,14 @@ pub(super) fn tendon_limits(m: &Model, d: &mut Data) {
             let source = (Source::TendonLimit(t), Kind::Limit);
             if let Some(row) = push_scalar(m, d, false, &[Some(t)], source) {
                 tendon_row(m, d, row, t, -side);
-                push_rows(&mut d.efc, &law.softness, (dist, dist), margin, law.diag, 1);
+                push_rows(
+                    &mut d.efc,
+                    &constraint.softness,
+                    (dist, dist),
+                    margin,
+                    constraint.diag,
+                    1,
+                );
             }
         }
     }

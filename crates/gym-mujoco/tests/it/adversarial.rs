@@ -1,10 +1,10 @@
-//! Actions that try to break a simulation: no task answers them with numbers that are not finite, a
-//! panic or a hang.
+//! Actions that try to break a simulation. No task may panic, hang, or return numbers that are not
+//! finite.
 
 use gym_core::{Array, BoxEnv, Env, EnvExt, Space, Value, builder, registry};
 use gym_mujoco::simulated;
 
-/// The newest version of each task.
+/// Returns the newest version of each task.
 fn tasks() -> Vec<String> {
     let ids = registry::all()
         .into_iter()
@@ -14,7 +14,7 @@ fn tasks() -> Vec<String> {
     tasks
 }
 
-/// The task, in episodes that continue after a fall if the task allows it.
+/// Makes the task `id`, with episodes that continue after a fall if the task allows it.
 fn unending(id: &str) -> BoxEnv {
     let plain = builder(id).max_episode_steps(500);
     plain
@@ -25,7 +25,7 @@ fn unending(id: &str) -> BoxEnv {
         .unwrap()
 }
 
-/// Draws from -1 to 1.
+/// A generator of numbers from -1 to 1.
 struct Random(u64);
 
 impl Random {
@@ -46,11 +46,11 @@ impl Random {
 /// The kinds of controls, each applied for some time.
 #[derive(Clone, Copy, Debug)]
 enum Plan {
-    /// Each actuator at a limit that is drawn in every step.
+    /// Each actuator at one of its limits, which is drawn in every step.
     BangBang,
     /// All actuators at their limits, which alternate from step to step.
     Alternating,
-    /// Neighbouring actuators at opposite limits, for the whole plan.
+    /// Successive actuators at opposite limits, for the whole duration.
     Twist,
     /// At the limit in the direction of motion: the energy grows without end.
     Pump,
@@ -96,7 +96,7 @@ fn act(plan: Plan, env: &BoxEnv, most: f32, step: usize, random: &mut Random, ac
     }
 }
 
-/// `GYM_SOAK_STEPS` sets the steps of each task; a million passes.
+/// `GYM_SOAK_STEPS` sets the number of steps of each task. (A million steps pass.)
 #[test]
 fn adversarial_actions_leave_every_number_finite() {
     let steps: usize = std::env::var("GYM_SOAK_STEPS").map_or(3_000, |n| n.parse().unwrap());

@@ -1,4 +1,4 @@
-//! Models that are changed, and the functions beside `step`, as in libmujoco, to the last bit.
+//! Changed models, and the functions other than `step`, compared with libmujoco to the last bit.
 
 use gym_mujoco::model::Integrator;
 use gym_mujoco::physics::{contact_force, energy, inverse, ray, step1, step2};
@@ -7,12 +7,12 @@ use serde_json::{Value, json};
 
 use crate::common::same;
 
-/// The recording of `tests/peers/mujoco_models.py`.
+/// Returns the recording of `tests/peers/mujoco_models.py`.
 fn recording() -> Value {
     serde_json::from_str(include_str!("../recorded/changes.json")).unwrap()
 }
 
-/// The model and the recording of libmujoco, for each version.
+/// Returns the model and the recording of libmujoco, for each version.
 fn versions() -> Vec<(Model, Value)> {
     let file = recording();
     let versions = file["versions"].as_object().unwrap().iter();
@@ -34,7 +34,7 @@ fn state(d: &Data) -> Value {
     json!({"qpos": d.qpos, "qvel": d.qvel, "sensordata": d.sensordata})
 }
 
-/// The data after 50 steps.
+/// Returns the data after 50 steps, each taken by `take`.
 fn steps(m: &Model, take: impl Fn(&Model, &mut Data)) -> Data {
     let mut d = Data::new(m);
     for i in 0..50 {
@@ -46,7 +46,8 @@ fn steps(m: &Model, take: impl Fn(&Model, &mut Data)) -> Data {
     d
 }
 
-/// Replaces a number, or the first numbers of a row, of the named figure.
+/// Applies a recorded change: replaces a number of the named field of a model, or the first numbers
+/// of a row.
 fn apply(m: &CompiledModel, change: &Value) -> CompiledModel {
     let mut figures = serde_json::to_value(m).unwrap();
     let mut place = &mut figures;
@@ -114,7 +115,7 @@ fn a_change_that_is_refused_leaves_the_model() {
         "{error}"
     );
     assert_eq!(before, *m);
-    // an empty change keeps every figure
+    // an empty change keeps every field
     m.change(|_| ()).unwrap();
     assert_eq!(before, *m);
 }
@@ -256,7 +257,7 @@ fn names_lead_to_ids_and_back() {
     );
 }
 
-/// A frame that hardly differs from its body's frame of inertia takes that frame.
+/// A geom's frame that nearly equals the body's inertial frame is replaced by the inertial frame.
 #[test]
 fn frames_that_hardly_differ_are_one() {
     let text = r#"<mujoco><worldbody><body pos="0 0 1"><joint axis="0 1 0"/>

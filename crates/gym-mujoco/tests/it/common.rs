@@ -1,9 +1,9 @@
-//! Comparing recordings.
+//! Functions that compare recordings.
 
 use serde_json::Value;
 
-/// Whether two values are the same, numbers to the last bit, so that `0.0` is not `-0.0`; a whole
-/// number may be written as one.
+/// Whether two values are equal. Numbers are compared to the last bit, so `0.0` is not `-0.0`; `1`
+/// equals `1.0`.
 pub(crate) fn same(a: &Value, b: &Value) -> bool {
     match (a, b) {
         (Value::Number(a), Value::Number(b)) => {

@@ -1,5 +1,5 @@
-//! Contacts in random poses, touching ones above all, as libmujoco finds them, to the last bit:
-//! `recorded/contacts/record.py` says what the poses are, and recorded them.
+//! Contacts of geoms in random poses (most of them touch), compared with libmujoco's to the last
+//! bit. `recorded/contacts/record.py` describes the poses, and recorded the contacts.
 
 use std::collections::BTreeMap;
 
@@ -81,7 +81,7 @@ fn pose(random: &mut RandomState) -> Vec<f64> {
     [&centre[..], &quat, &beside, &other].concat()
 }
 
-/// The contacts' numbers, with one sign of zero.
+/// Returns the contacts' numbers, with 0 instead of -0.
 fn words(d: &Data) -> Vec<u64> {
     let of = |contact: &gym_mujoco::Contact| {
         let geoms = contact.geom.map(|g| g as u64);

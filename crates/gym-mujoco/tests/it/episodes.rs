@@ -1,5 +1,5 @@
-//! Whole episodes of Gymnasium 1.4.0 on MuJoCo 3.12.0 and 4.0.0, by digest: the same observations,
-//! rewards and ends, byte for byte.
+//! Whole episodes of Gymnasium 1.4.0 on MuJoCo 3.12.0 and 4.0.0. Digests of the observations,
+//! rewards and ends are compared.
 
 use gym_core::{EnvExt, builder};
 use gym_mujoco as _;
@@ -12,13 +12,13 @@ struct Sha256 {
     length: u64,
 }
 
-/// The first 32 bits of the fractional part of a root of the `n`-th prime.
+/// Returns the first 32 bits of the fractional part of a root of the `n`-th prime.
 fn root_of_prime(n: usize, root: impl Fn(u128) -> u128) -> u32 {
     let primes = (2_u128..).filter(|n| (2..*n).take_while(|d| d * d <= *n).all(|d| n % d != 0));
     root(primes.skip(n).take(1).sum()) as u32
 }
 
-/// The largest number whose `power`-th power is not more than a prime times `2^(32 power)`.
+/// Returns the largest number whose `power`-th power is at most `prime * 2^(32 power)`.
 fn root(prime: u128, power: u32) -> u128 {
     let goal = prime << (32 * power);
     (0..40).rev().fold(0, |x: u128, bit| {
@@ -112,7 +112,8 @@ fn the_digest_is_sha256() {
     );
 }
 
-/// Plays with the actions that the space draws from a seed; a new episode starts where one ends.
+/// Returns the digest of `steps` steps with actions sampled from the action space. A reset follows
+/// the end of each episode.
 fn digest(
     (id, mujoco): (&str, &str),
     seed: u64,
@@ -149,8 +150,8 @@ fn digest(
     (sha.finish(constants), episodes)
 }
 
-/// Each seed of each id is 1000 steps. One seed is always compared, all where `GYM_REFERENCE` is
-/// set.
+/// Each recording is one seed of one id, with 1000 steps. Without `GYM_REFERENCE`, only one seed of
+/// each id is compared.
 #[test]
 fn episodes_have_gymnasiums_digests() {
     let (constants, every) = (constants(), std::env::var_os("GYM_REFERENCE").is_some());

@@ -1,4 +1,4 @@
-//! What the models of feature recordings do, as libmujoco does it, to the last bit.
+//! Recordings of models with single features of MuJoCo, compared with libmujoco to the last bit.
 
 use std::path::{Path, PathBuf};
 
@@ -7,21 +7,21 @@ use serde_json::{Map, Value};
 
 use crate::common::same;
 
-/// What is not repeated to the last bit, or at all: names and versions.
+/// The recordings that are not equal to the last bit, or not supported: name and version.
 const UNLIKE: [(&str, &str); 6] = [
-    // contacts where the side of a cylinder lies on a face are those of 4.0.1
+    // contacts of a cylinder's side with a face are those of MuJoCo 4.0.1
     ("cylinders", "4.0.0"),
-    // an actuator on a free body with `implicitfast`: differs by 1e-17
+    // an actuator on a free body with `implicitfast` differs by 1e-17
     ("fast_free", "4.0.0"),
-    // sums over more than 60 degrees of freedom
+    // libmujoco sums over more than 60 degrees of freedom in another order
     ("humanoid_CMU-stand", "3.12.0"),
     ("humanoid_CMU-stand", "4.0.0"),
-    // refused
+    // not supported
     ("quadruped-escape", "3.12.0"),
     ("quadruped-escape", "4.0.0"),
 ];
 
-/// The recordings of this crate, and more where `GYM_REFERENCE` names a folder that has them.
+/// Returns the recordings of this crate, and further recordings in the folder `GYM_REFERENCE`.
 fn recordings() -> Vec<PathBuf> {
     let own = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/recorded/features");
     let more = std::env::var_os("GYM_REFERENCE").map(PathBuf::from);
@@ -35,12 +35,12 @@ fn recordings() -> Vec<PathBuf> {
     paths
 }
 
-/// The first value of an object that another one has not.
+/// Returns the first key of `expected` whose value differs in `found`.
 fn first<'a>(expected: &'a Value, found: &Value) -> Option<&'a str> {
     let expected = expected.as_object().into_iter().flatten();
     let mut unlike = expected.filter(|(key, value)| {
         let found = &found[key.as_str()];
-        // scalars may be lists of one
+        // a scalar may be a list with one element
         !same(value, found) && !same(&Value::Array(vec![(*value).clone()]), found)
     });
     unlike.next().map(|(key, _)| key.as_str())
@@ -78,7 +78,7 @@ fn features_are_as_in_libmujoco() {
     assert!(compared >= 80, "{compared} compared");
 }
 
-/// A folder with a model in several files, which is removed at the end.
+/// A folder with a model in several files. A drop removes the folder.
 struct Folder(PathBuf);
 
 impl Folder {
@@ -142,7 +142,7 @@ fn models_include_files() {
     assert!(missing.contains("none.xml"), "{missing}");
     let circle = folder.model("circle.xml").unwrap_err();
     assert!(circle.contains("circle.xml"), "{circle}");
-    // errors name the file that is at fault
+    // an error names the file with the fault
     let wrong = folder.model("wrong.xml").unwrap_err();
     assert!(
         wrong.contains("wrong.xml") && wrong.contains("line 2"),

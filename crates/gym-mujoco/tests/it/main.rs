@@ -1,4 +1,4 @@
-//! Tests of the crate from outside: one program, which is linked once.
+//! Tests through the public interface, in one program that is linked once.
 
 mod adversarial;
 mod changes;

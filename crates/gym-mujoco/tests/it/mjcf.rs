@@ -1,23 +1,23 @@
-//! Models that the reader of MJCF refuses: each error names the line, the element and the
+//! Models that the reader of MJCF refuses. Each error names the line, the element and the
 //! attribute.
 
 use gym_mujoco::{Error, Model};
 
-/// A model with an error in line 4.
+/// Returns a model with `line`, which has an error, as line 4.
 fn in_the_world(line: &str) -> String {
     format!(
         "<mujoco>\n<worldbody>\n<geom type=\"plane\" size=\"1 1 1\"/>\n{line}\n</worldbody>\n</mujoco>"
     )
 }
 
-/// A model with an error in a section, in line 6.
+/// Returns a model with a section `line`, which has an error, as line 6.
 fn section(line: &str) -> String {
     format!(
         "<mujoco>\n<worldbody>\n<body name=\"b\">\n<joint name=\"j\"/><geom size=\"0.1\"/></body><body name=\"f\"><freejoint name=\"free\"/><geom size=\"1\"/></body>\n</worldbody>\n{line}\n</mujoco>"
     )
 }
 
-/// A body with a mesh and attributes of its geom, in line 4.
+/// Returns a model whose line 4 has a geom with a mesh and `attributes`.
 fn with_mesh(attributes: &str) -> String {
     in_the_world(&format!(
         "<body><geom mesh=\"m\" {attributes}/></body></worldbody>\
@@ -25,7 +25,7 @@ fn with_mesh(attributes: &str) -> String {
     ))
 }
 
-/// The text of a model, and the line, element and attribute that the error names.
+/// The text of a model, and the line, element and attribute that its error must name.
 type Refused = (String, u32, &'static str, Option<&'static str>);
 
 fn refused() -> Vec<Refused> {
@@ -270,7 +270,7 @@ fn sizes_and_depths_have_limits() {
     );
 }
 
-/// Runs in a thread with a small stack. An overflow aborts the process.
+/// Runs `work` on a thread with a small stack. (An overflow aborts the process.)
 fn in_a_small_stack(work: impl FnOnce() + Send + 'static) {
     std::thread::Builder::new()
         .stack_size(128 << 10)
@@ -280,7 +280,7 @@ fn in_a_small_stack(work: impl FnOnce() + Send + 'static) {
         .unwrap();
 }
 
-/// The deepest nesting that is allowed fits the stack, with and without optimisation.
+/// The deepest allowed nesting fits a small stack, with and without optimisation.
 #[test]
 fn deep_nesting_needs_no_stack() {
     let bodies = format!(
@@ -298,7 +298,7 @@ fn deep_nesting_needs_no_stack() {
     in_a_small_stack(move || {
         let model = Model::from_xml(&bodies).unwrap();
         assert_eq!((model.nbody(), model.nv()), (199, 198));
-        // each body is the child of the one before, in the order of the text
+        // each body is the child of the previous body, in the order of the text
         assert!((2..199).all(|id| model.body_parentid[id] == id - 1));
         Model::from_xml(&classes).unwrap();
         let deeper = format!(
@@ -312,7 +312,7 @@ fn deep_nesting_needs_no_stack() {
     });
 }
 
-/// Classes inherit from the enclosing class, even with other elements in between.
+/// A default class inherits from the enclosing class, even with other elements in between.
 #[test]
 fn classes_within_classes_start_from_them() {
     let model = Model::from_xml(
@@ -328,7 +328,7 @@ fn classes_within_classes_start_from_them() {
     );
 }
 
-/// With quadratic time, reading these texts would take minutes: the test would hang.
+/// If the time of reading were quadratic, these texts would take minutes.
 #[test]
 fn large_texts_are_read_in_time_or_refused() {
     let refused = |text: String, message: &str| {
@@ -380,7 +380,7 @@ fn large_texts_are_read_in_time_or_refused() {
     }
 }
 
-/// `/dev/zero` never ends.
+/// (`/dev/zero` never ends.)
 #[cfg(target_os = "linux")]
 #[test]
 fn endless_files_are_refused() {
@@ -427,7 +427,8 @@ fn keyframes_are_as_many_as_the_largest_size_says() {
     }
 }
 
-/// What a keyframe leaves out at the end of a list is as in the initial state.
+/// If a list of a keyframe is too short, the missing numbers at the end are those of the initial
+/// state.
 #[test]
 fn keyframes_may_be_short() {
     let text = "<mujoco><worldbody><body><freejoint/><geom size=\"1\"/></body></worldbody>\
@@ -437,8 +438,8 @@ fn keyframes_may_be_short() {
     assert_eq!(m.key_qvel[0], [4.0, 0.0, 0.0, 0.0, 0.0, 0.0]);
 }
 
-/// A total mass scales all masses and moments alike; the world, and shapes without volume, weigh
-/// nothing.
+/// `settotalmass` scales all masses and moments by the same factor. The world body, and geoms
+/// without volume, have no mass.
 #[test]
 fn a_total_mass_scales_masses_and_moments() {
     let model = |compiler: &str| {
@@ -467,7 +468,7 @@ fn a_total_mass_scales_masses_and_moments() {
     }
 }
 
-/// A body that moves needs mass: its own, or that of bodies that are fixed to it.
+/// A moving body needs mass: its own mass, or the mass of bodies that are fixed to it.
 #[test]
 fn what_is_fixed_to_a_body_is_its_mass_as_well() {
     let model = |inner: &str| {
@@ -478,7 +479,7 @@ fn what_is_fixed_to_a_body_is_its_mass_as_well() {
     model(heavy).unwrap();
     model(&format!("<body>{heavy}</body>")).unwrap();
     model("<geom size=\"1e-3\" mass=\"1\"/>").unwrap();
-    // child bodies with joints do not count, nor does a shape of nearly no size, even with a mass
+    // neither child bodies with joints nor tiny geoms give the body mass
     for inner in [
         "",
         "<site name=\"s\"/>",
@@ -490,7 +491,7 @@ fn what_is_fixed_to_a_body_is_its_mass_as_well() {
     }
 }
 
-/// A model with `lines` before its world, or the error.
+/// Returns the compiled model with `lines` before its worldbody.
 fn with_lines(lines: &str) -> serde_json::Value {
     let text = format!(
         "<mujoco>{lines}<worldbody><body name=\"a\"><joint name=\"j\" range=\"-30 30\"/><geom size=\"0.1\"/>\
@@ -500,8 +501,8 @@ fn with_lines(lines: &str) -> serde_json::Value {
     serde_json::to_value(model).unwrap()
 }
 
-/// Every attribute of a section has an effect. A later element keeps the values that it does not
-/// give.
+/// Every attribute of a section has an effect. A later element of the same section changes only the
+/// attributes that it has.
 #[test]
 fn attributes_of_sections_count_wherever_they_are() {
     let sections: [(&str, &[(&str, &str)]); 3] = [
@@ -575,7 +576,7 @@ fn attributes_of_sections_count_wherever_they_are() {
     }
 }
 
-/// A body has the inertia that its `inertial` gives, unless `inertiafromgeom` is set.
+/// A body has the inertia of its element `inertial`, unless `inertiafromgeom` is `true`.
 #[test]
 fn inertia_comes_from_where_it_is_said_to() {
     let mass = |lines: &str| with_lines(lines)["body_mass"][1].as_f64().unwrap();

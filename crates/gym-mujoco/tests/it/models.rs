@@ -1,5 +1,5 @@
-//! The built-in models against the figures that MuJoCo 3.12.0 and 4.0.0 compile for the models of
-//! Gymnasium 1.4.0.
+//! Compares the built-in models with Gymnasium 1.4.0's models, as MuJoCo 3.12.0 and 4.0.0 compile
+//! them.
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -10,7 +10,7 @@ use serde_json::Value;
 
 use crate::common::same;
 
-/// Collects what differs, numbers by their last bit.
+/// Collects the differences between `expected` and `got`. Numbers are compared to the last bit.
 fn compare(path: &str, expected: &Value, got: &Value, differences: &mut Vec<String>) {
     match (expected, got) {
         (Value::Object(a), _) => {
@@ -28,7 +28,7 @@ fn compare(path: &str, expected: &Value, got: &Value, differences: &mut Vec<Stri
     }
 }
 
-/// The folders of figures: those in this crate, and the one that `GYM_REFERENCE` names.
+/// Returns the folders of compiled models: in this crate, and in the folder `GYM_REFERENCE`.
 fn folders() -> Vec<PathBuf> {
     let own = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/recorded");
     let more =
@@ -63,7 +63,7 @@ fn models_have_mujocos_figures() {
                 )
                 .unwrap(),
             };
-            // names and versions of the recorder, and what only MuJoCo's viewer uses
+            // remove names and versions of the recorder, and fields that only MuJoCo's viewer uses
             let object = recorded.as_object_mut().unwrap();
             for key in [
                 "model",

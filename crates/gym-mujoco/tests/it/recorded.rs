@@ -1,7 +1,7 @@
-//! Steps and forward calls of libmujoco 3.12.0 and 4.0.0, repeated to the last bit.
+//! Compares steps and forward calls with recordings of libmujoco 3.12.0 and 4.0.0, to the last bit.
 //!
-//! The recordings of this crate are always compared; more, where `GYM_REFERENCE` names a folder
-//! that has them.
+//! The recordings of this crate are always compared, and further recordings in the folder
+//! `GYM_REFERENCE`, if it is set.
 
 use std::path::{Path, PathBuf};
 
@@ -10,7 +10,7 @@ use serde_json::{Map, Value, json};
 
 use crate::common::same;
 
-/// All recordings of a kind.
+/// Returns all recordings of a kind.
 fn recordings(kind: &str) -> Vec<PathBuf> {
     let own = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/recorded");
     let more =
@@ -30,12 +30,13 @@ fn recordings(kind: &str) -> Vec<PathBuf> {
     paths
 }
 
-/// Recordings that are not repeated to the last bit, and how near they are. From 60 degrees of
-/// freedom on libmujoco sums in the order of its sparse matrices; and of springs of free joints,
-/// its arc tangent is not the nearest number in one case.
+/// Recordings that are compared only up to rounding. From 60 degrees of freedom on, libmujoco sums
+/// in the order of its sparse matrices; and in one case with springs of free joints, libmujoco's
+/// arc tangent is not correctly rounded.
 const TO_ROUNDING: [&str; 2] = ["steps.mixed01.json", "steps.mixed11.json"];
 
-/// The largest difference, relative above 1; infinite where lengths, keys or whole numbers differ.
+/// Returns the largest difference, relative for numbers above 1; infinity if lengths, keys or
+/// integers differ.
 fn off(expected: &Value, got: &Value) -> f64 {
     match (expected, got) {
         (Value::Number(a), Value::Number(b)) if a.is_f64() || b.is_f64() => {
@@ -53,7 +54,7 @@ fn off(expected: &Value, got: &Value) -> f64 {
     }
 }
 
-/// Compares all cases of a recording, and fails with all that is off.
+/// Compares all cases of a recording. The error lists all differences.
 fn compare(path: &Path, side: &str) -> Result<(), String> {
     let name = path.file_name().unwrap().to_string_lossy();
     let fail = |error: &dyn std::fmt::Display| format!("{name}: {error}");
@@ -118,7 +119,7 @@ fn steps() {
     all("steps", "after");
 }
 
-/// Recordings differ in what they keep where there is no island: nothing, or the first of MuJoCo's
+/// Without an island, some recordings have no iteration count, others have the first of MuJoCo's
 /// counts.
 #[test]
 fn as_many_counts_of_the_solver_as_recorded() {

@@ -1,10 +1,11 @@
-//! Rewards, ends and infos under their arguments, computed a second time from the state.
+//! Rewards, ends and infos with different arguments, compared with values that the test computes
+//! from the state.
 
 use gym_core::{BoxEnv, Env, EnvExt, Registration, Value, builder, make, registry};
 use gym_mujoco::{Data, simulated, simulated_mut};
 use serde_json::{Value as Json, json};
 
-/// The number under `name` in the info.
+/// Returns the number `name` of the info.
 fn told(env: &BoxEnv, name: &str) -> f64 {
     env.info_map()[name]
         .as_float()
@@ -26,7 +27,7 @@ fn with(id: &str, arguments: &[(&str, Json)]) -> BoxEnv {
         .unwrap_or_else(|error| panic!("{id}: {error}"))
 }
 
-/// The parts of the reward among the entries of an info.
+/// Returns the entries of the info that are parts of the reward.
 fn parts(env: &BoxEnv) -> Vec<(String, f64)> {
     let is_part = |name: &str| name.starts_with("reward_") || name.ends_with("_penalty");
     let info = env.info_map().into_iter().filter(|(name, _)| is_part(name));
@@ -34,7 +35,7 @@ fn parts(env: &BoxEnv) -> Vec<(String, f64)> {
         .collect()
 }
 
-/// The parts of the rewards of random steps, always with the same seed.
+/// Returns the parts of the reward in each of `steps` random steps, always with the same seed.
 fn history(env: &mut BoxEnv, steps: usize) -> Vec<Vec<(String, f64)>> {
     let mut actions = env.action_sampler(4).unwrap();
     env.reset(3).unwrap();
@@ -73,7 +74,7 @@ fn the_reward_is_the_sum_of_its_parts() {
     }
 }
 
-/// A weight scales its own part of the reward only.
+/// A weight scales only its own part of the reward.
 #[test]
 fn a_weight_scales_its_own_part() {
     for (id, name, weight, part) in [
@@ -108,7 +109,7 @@ fn a_weight_scales_its_own_part() {
             "reward_forward",
         ),
         ("Humanoid-v5", "ctrl_cost_weight", 0.1, "reward_ctrl"),
-        // so small that the cost of forces is not clipped
+        // (so small that the cost of contact forces is not clipped)
         ("Humanoid-v5", "contact_cost_weight", 5e-9, "reward_contact"),
         ("Humanoid-v5", "healthy_reward", 5.0, "reward_survive"),
         (
@@ -153,7 +154,8 @@ fn a_weight_scales_its_own_part() {
     }
 }
 
-/// A task, the name of a range, its narrow bounds, and the numbers that must lie in it.
+/// A task, the name of a range, narrow bounds, and the function that returns the numbers that must
+/// lie in the range.
 type Range = (&'static str, &'static str, [f64; 2], fn(&Data) -> Vec<f64>);
 
 const RANGES: [Range; 7] = [
@@ -184,8 +186,8 @@ const RANGES: [Range; 7] = [
     }),
 ];
 
-/// A step that ends healthy is rewarded. The first that does not ends the episode, if
-/// `terminate_when_unhealthy`.
+/// A step that ends in a healthy state has the healthy reward. The first step that ends in an
+/// unhealthy state terminates the episode, if `terminate_when_unhealthy` is true.
 #[test]
 fn health_is_what_its_ranges_say() {
     for (id, name, [low, high], reads) in RANGES {
@@ -242,7 +244,8 @@ fn a_place_is_not_unhealthy() {
     assert_eq!(told(&env, "reward_survive"), 1.0);
 }
 
-/// The step in which the pole falls pays its survival reward before version 5, and not since.
+/// Before version 5, the step in which the pole falls has the survival reward; since version 5, it
+/// has not.
 #[test]
 fn a_fall_is_not_paid_for_since_version_5() {
     for (id, upright, fallen) in [
@@ -302,7 +305,7 @@ fn forces_of_an_ant_are_clipped_to_their_range() {
             .map(|force| force.clamp(RANGE[0], RANGE[1]))
             .collect();
         let seen = seen.as_slice::<f64>().unwrap();
-        // the forces on the world are not observed
+        // (the observation does not contain the forces on the world body)
         assert_eq!(seen[seen.len() - clipped.len() + 6..], clipped[6..]);
         let cost = 3.0 * clipped.iter().map(|force| force * force).sum::<f64>();
         let told = told(&env, "reward_contact");
@@ -317,7 +320,7 @@ fn forces_of_an_ant_are_clipped_to_their_range() {
     );
 }
 
-/// The humanoid tasks clip the total cost of forces.
+/// The humanoid tasks clip the total cost of contact forces.
 #[test]
 fn costs_of_forces_are_clipped_to_their_range() {
     for (id, weight, range, part) in [
@@ -355,7 +358,7 @@ fn costs_of_forces_are_clipped_to_their_range() {
     }
 }
 
-/// Hopper and walker observe speeds clipped to 10; the cheetah observes them unclipped.
+/// Hopper and Walker2d clip the observed velocities to 10; HalfCheetah does not.
 #[test]
 fn speeds_are_observed_up_to_a_limit() {
     for (id, limit) in [
@@ -386,7 +389,7 @@ fn speeds_are_observed_up_to_a_limit() {
     }
 }
 
-/// After a reset the info is that of a new environment, without rewards.
+/// After a reset, a used environment has the same info as a new environment, without rewards.
 #[test]
 fn a_used_task_tells_after_a_reset_what_a_new_one_does() {
     for entry in registry::all() {
@@ -432,7 +435,7 @@ fn goals_lie_where_they_may() {
             assert_eq!((&qpos[9..], &qvel[7..]), (&[0.0; 2][..], &[0.0; 4][..]));
             nearest = nearest.min(qpos[7].hypot(qpos[8]));
         }
-        // a square contains corners that a circle does not
+        // (targets lie within 0.2 m of the centre, objects at least 0.17 m from the goal)
         assert!((0.18..0.2).contains(&farthest), "{version}: {farthest}");
         assert!((0.17..0.18).contains(&nearest), "{version}: {nearest}");
     }

@@ -1,5 +1,4 @@
-//! Every simulation can be stored, never ends in numbers that are not finite, and allocates
-//! nothing.
+//! Every simulation can be stored, has only finite numbers, and allocates nothing.
 
 use std::path::Path;
 
@@ -32,7 +31,7 @@ fn built_in(name: &str) -> Model {
     .unwrap()
 }
 
-/// Draws from -1 to 1.
+/// A generator of numbers from -1 to 1.
 struct Random(u64);
 
 impl Random {
@@ -44,7 +43,7 @@ impl Random {
         (self.0 >> 40) as f64 / f64::from(1_u32 << 23) - 1.0
     }
 
-    /// Controls of one of several kinds: small, at the limits, held, far beyond the limits.
+    /// Sets controls of the kind `kind`: small, at the limits, unchanged, or far beyond the limits.
     fn control(&mut self, m: &Model, d: &mut Data, kind: usize) {
         for i in 0..m.nu() {
             let most = m.actuator_ctrlrange[i][1];
@@ -65,7 +64,7 @@ impl Random {
     }
 }
 
-/// All that a user can see.
+/// Returns all public numbers of `d` as text.
 fn everything(d: &Data) -> String {
     let state = (
         d.time,
@@ -232,7 +231,7 @@ fn data_is_reused_for_another_model_like_new() {
     assert_eq!(everything(&d), everything(&fresh));
 }
 
-/// `GYM_SOAK_STEPS` sets the steps; a million passes.
+/// `GYM_SOAK_STEPS` sets the number of steps. (A million steps pass.)
 #[test]
 fn no_control_makes_numbers_that_are_not_finite() {
     let steps: usize = std::env::var("GYM_SOAK_STEPS").map_or(3_000, |n| n.parse().unwrap());
@@ -288,13 +287,13 @@ fn bad_controls_count_as_none() {
         d.ctrl.fill(0.5);
         d.ctrl[2] = bad;
         forward(&m, &mut d);
-        // infinity is clamped to the control's range first
+        // (infinity is clamped to the control's range, NaN is not)
         assert_eq!(d.qfrc_actuator.iter().all(|&f| f == 0.0), bad.is_nan());
     }
 }
 
-/// Copies of the stored figures of a model, each with one number changed: a little, a lot, or to an
-/// impossible value. Of each array, only the first, the middle and the last row are changed.
+/// Returns copies of a stored model, each with one number changed: a little, a lot, or to an
+/// impossible value. In each array, only the first, the middle and the last row are changed.
 fn damaged(figures: &Json) -> Vec<Json> {
     let mut all = Vec::new();
     for (field, numbers) in figures.as_object().unwrap() {
@@ -326,8 +325,7 @@ fn damaged(figures: &Json) -> Vec<Json> {
     all
 }
 
-/// The figures of a model that came from outside may say anything. What is accepted can be
-/// simulated.
+/// A stored model may contain anything. A model that is accepted can be simulated.
 #[test]
 fn damaged_figures_are_refused_or_work() {
     let mut refused = 0;
@@ -339,15 +337,15 @@ fn damaged_figures_are_refused_or_work() {
             };
             let mut d = Data::new(&m);
             d.ctrl.fill(0.5);
-            // nonsense such as a negative inertia diverges, and is reset as any state that does
+            // (a model with a negative inertia may diverge: the simulation is then reset)
             (0..3).for_each(|_| step(&m, &mut d));
         }
     }
     assert!(refused > 500, "{refused}");
 }
 
-/// Newton's steps go on after one that made things worse, so hardly a line search finds the forces
-/// that a thorough one does.
+/// Newton's method continues after a step that increases the cost, so a short line search finds the
+/// same forces as a long line search.
 #[test]
 fn few_evaluations_find_the_same_accelerations() {
     let model = |name: &str, option: &str| {
@@ -392,7 +390,7 @@ fn few_evaluations_find_the_same_accelerations() {
     }
 }
 
-/// What only pictures show changes no figure but that of geoms, and what does more is refused.
+/// Meshes that only frames show change only the geoms of a model. Other uses of meshes are errors.
 #[test]
 fn meshes_are_pictures() {
     let read = |mesh: &str, more: &str| {
@@ -442,7 +440,7 @@ fn meshes_are_pictures() {
         let error = read(mesh, &more).unwrap_err().to_string();
         assert!(error.contains(message), "{error}");
     }
-    // a mesh that begins to collide later
+    // a change that makes a mesh collide is an error
     let mut seen = seen;
     let error = seen.change(|m| m.geom_contype[1] = 1).unwrap_err();
     assert!(
@@ -451,8 +449,8 @@ fn meshes_are_pictures() {
     );
 }
 
-/// A timestep between others leads to the same state; what follows from the state is not stored,
-/// and a snapshot says so.
+/// Substeps (timesteps that skip derived arrays) lead to the same state as steps. A snapshot
+/// records that the derived arrays are out of date.
 #[test]
 fn substeps_are_steps() {
     for name in MODELS {

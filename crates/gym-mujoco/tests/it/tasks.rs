@@ -1,4 +1,4 @@
-//! Arguments of the tasks, by version; snapshots; models of users.
+//! Tests of the tasks' arguments in each version, of snapshots, and of users' own models.
 
 use gym_core::{Array, BoxEnv, Env, EnvExt, Value, builder, make, registry};
 use gym_mujoco as _;
@@ -207,8 +207,8 @@ fn a_snapshot_holds_states_alone() {
             .map(|env| env.simulation().model.clone())
             .expect("a task");
         let text = serde_json::to_value(env.snapshot().unwrap()).unwrap();
-        // the state now, and the one that the last step started from; the generator's, and what was
-        // measured in the step
+        // a snapshot has the state, the state at the start of the last step, the generator's state,
+        // and the results of the step
         let states = 2 * (model.nq() + 2 * model.nv() + model.nu() + 1);
         let held = numbers(&text);
         assert!(
@@ -219,7 +219,7 @@ fn a_snapshot_holds_states_alone() {
     }
 }
 
-/// The number of numbers.
+/// Returns the number of numbers in `json`.
 fn numbers(json: &Json) -> usize {
     match json {
         Json::Number(_) => 1,
@@ -271,7 +271,7 @@ fn a_state_that_was_set_is_seen_at_once_and_gone_on_from() -> gym_core::Result<(
         .body_id("torso")
         .expect("a torso");
     assert_eq!(data.xpos[torso][0], qpos[0], "positions of bodies follow");
-    // the solver starts elsewhere, and ends at the same forces to rounding
+    // the solver starts from other accelerations, and finds the same forces up to rounding
     let (Value::Array(a), Value::Array(b)) = (
         env.step(&action)?.observation,
         twin.step(&action)?.observation,
@@ -287,7 +287,7 @@ fn a_state_that_was_set_is_seen_at_once_and_gone_on_from() -> gym_core::Result<(
     Ok(())
 }
 
-/// Versions begin with 2; those after the newest are the newest.
+/// Versions start at 2. A version above the newest version has the newest version's rules.
 #[test]
 fn versions_that_never_were_are_refused() {
     use gym_mujoco::Ant;
@@ -305,7 +305,7 @@ fn versions_that_never_were_are_refused() {
     assert_eq!([2, 3, 4, 5, 6].map(length), [111, 111, 27, 105, 105]);
 }
 
-/// The value of `mujoco` where it is not given.
+/// Returns the default value of the argument `mujoco`.
 fn default_version(id: &str) -> Json {
     let arguments = registry::find(id).unwrap().arguments().unwrap();
     let mut named = arguments
@@ -374,7 +374,7 @@ fn a_snapshot_of_another_version_of_mujoco_is_refused() {
         assert!(error.contains(&said), "{error}");
         assert_eq!(refuses.snapshot().unwrap(), before);
         made(taken).restore(&snapshot).unwrap();
-        // another argument that differs is not blamed on the version
+        // if another argument differs, the error does not name the version
         let mut wide = builder("Hopper-v5").arg("frame_skip", 3).build().unwrap();
         let error = wide.restore(&made("4.0").snapshot().unwrap()).unwrap_err();
         assert!(error.to_string().contains("other arguments"), "{error}");

@@ -1,7 +1,7 @@
-//! Recorded episodes of Gymnasium's MuJoCo environments, repeated.
+//! Compares the environments with recorded episodes of Gymnasium's MuJoCo environments.
 //!
-//! The recordings of this crate are always compared; more, where `GYM_REFERENCE` names a folder
-//! that has them.
+//! The recordings of this crate are always compared, and further recordings in the folder
+//! `GYM_REFERENCE`, if it is set.
 
 use std::path::{Path, PathBuf};
 
@@ -9,7 +9,8 @@ use gym_core::{Env, registry};
 use gym_trace::Trace;
 use serde_json::{Value, json};
 
-/// Compares a file: how many events, or the first difference; zeros have a sign.
+/// Compares a file. Returns the number of events, or the first difference as an error. `0.0` and
+/// `-0.0` differ.
 fn compare(path: &Path) -> Result<usize, String> {
     let text = std::fs::read_to_string(path).map_err(|error| error.to_string())?;
     let trace: Trace = serde_json::from_str(&text).map_err(|error| error.to_string())?;
@@ -20,7 +21,7 @@ fn compare(path: &Path) -> Result<usize, String> {
     }
 }
 
-/// The traces of a folder: their names hold the id of a task.
+/// Returns the traces in a folder. Their names contain the id of a task.
 fn traces(folder: &Path) -> Vec<PathBuf> {
     let mut paths: Vec<PathBuf> = std::fs::read_dir(folder)
         .unwrap_or_else(|error| panic!("{}: {error}", folder.display()))
@@ -104,7 +105,8 @@ fn a_trace_that_differs_is_found() {
     std::fs::remove_dir_all(&folder).unwrap();
 }
 
-/// An argument comes before the head, whose version is then named as not compared.
+/// The argument `mujoco` has precedence over the version in the head. `replay` then names the
+/// version as not compared.
 #[test]
 fn the_version_of_mujoco_in_the_head_is_the_default() {
     for (id, kwargs, taken, unused) in [

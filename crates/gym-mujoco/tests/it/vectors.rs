@@ -1,4 +1,4 @@
-//! Vectors of the tasks: the same bits on any number of threads.
+//! Vectors of the tasks have the same bits on any number of threads.
 
 use gym_core::registry::{Each, EnvBuilder};
 use gym_core::render::RenderMode;
@@ -8,7 +8,7 @@ use gym_mujoco::simulated;
 use gym_mujoco::tasks::models;
 use serde_json::json;
 
-/// The bits of all that a step gives back.
+/// Returns the bits of all results of a step.
 fn bits(columns: &Columns) -> Vec<u64> {
     let observations = columns
         .observations
@@ -70,7 +70,7 @@ fn the_bits_are_the_same_on_any_number_of_threads() {
     }
 }
 
-/// Tasks whose worlds step together, and one that steps them one by one.
+/// Tasks whose worlds step together, and one task whose worlds step one by one.
 const TOGETHER: [&str; 13] = [
     "HalfCheetah-v5",
     "Hopper-v4",
@@ -89,7 +89,8 @@ const TOGETHER: [&str; 13] = [
 
 const NATIVE: [VectorKind; 2] = [VectorKind::Native, VectorKind::Sync];
 
-/// Steps vectors of two kinds by the same calls and compares all that they give.
+/// Two vectors of different kinds. The methods make the same calls on both, and compare all
+/// results.
 struct Pair {
     envs: [Box<dyn VectorEnv>; 2],
     columns: [Columns; 2],
@@ -183,7 +184,7 @@ fn worlds_that_step_together_have_the_bits_of_worlds_alone() {
     }
 }
 
-/// A vector of eight environments; an async one has one thread.
+/// Makes a vector of eight environments. An async vector has one thread.
 fn eight(env: EnvBuilder, kind: VectorKind) -> Result<Box<dyn VectorEnv>> {
     let vector = env.vector(8).kind(kind);
     match kind {
@@ -192,10 +193,12 @@ fn eight(env: EnvBuilder, kind: VectorKind) -> Result<Box<dyn VectorEnv>> {
     }
 }
 
-/// Arrays that no task reads are made when asked for, as a world alone has them.
+/// Derived arrays that no task reads are computed on request, and equal the arrays of a world that
+/// steps alone.
 #[test]
 fn all_arrays_are_there_when_asked_for() {
-    // a native vector does not lend its environments; the threads of an async one step the same way
+    // a native vector does not give access to its environments; the thread of an async vector steps
+    // worlds together, too
     let kinds = [VectorKind::Async, VectorKind::Sync];
     let make = |kind| eight(builder("Walker2d-v5"), kind);
     let mut pair = Pair::new(kinds, make, "Walker2d-v5".into());
@@ -224,13 +227,13 @@ fn all_arrays_are_there_when_asked_for() {
             seen
         });
         assert_eq!(native.len(), 8);
-        // after their last number, the time: some have stepped since their reset
+        // the last number is the time: some environments have stepped since their reset
         assert!(native.iter().any(|bits| bits.last() > Some(&0)));
         assert!(native == sync, "step {step}");
     }
 }
 
-/// Depths need arrays that no task reads.
+/// Depth frames need derived arrays that no task reads.
 #[test]
 fn depths_are_those_of_worlds_alone() {
     let kinds = [VectorKind::Async, VectorKind::Sync];
@@ -253,7 +256,7 @@ fn depths_are_those_of_worlds_alone() {
     }
 }
 
-/// Tendons that are sums of joint positions are shown without a repeated timestep.
+/// The infos contain fixed tendons, although no timestep is repeated.
 #[test]
 fn infos_of_vectors_show_tendons() {
     for id in ["Humanoid-v5", "HumanoidStandup-v5"] {
@@ -281,7 +284,7 @@ fn infos_of_vectors_show_tendons() {
     }
 }
 
-/// One of the sub-environments has another number of timesteps in a step, or another model.
+/// A sub-environment with another number of timesteps per step, or another model, steps alone.
 #[test]
 fn sub_environments_with_other_arguments_step_by_themselves() {
     let (_, text) = models()

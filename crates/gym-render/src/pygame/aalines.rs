@@ -23,7 +23,7 @@ pub(super) fn aalines(pixels: &mut impl Pixels, points: &[Point], closed: bool, 
         let turns = match steep_before {
             Some(before) => steep != before,
             None => {
-                // pygame compares the wrong coordinates here
+                // (`from[1]` is pygame's mistake for `to[1]`)
                 let after = point(2 % count);
                 steep && (after[0] - to[0]).abs() >= (after[1] - from[1]).abs()
             }
@@ -40,13 +40,13 @@ pub(super) fn aalines(pixels: &mut impl Pixels, points: &[Point], closed: bool, 
     }
 }
 
-/// How a line meets its neighbours.
+/// How a line of a chain meets the lines before and after it.
 #[derive(Clone, Copy, Default)]
 struct Join {
-    /// Whether an end of the line is off the pixel grid: its neighbours then draw the ends.
+    /// Whether an end of the line is off the pixel grid. The adjacent lines then draw the ends.
     off: bool,
-    /// Whether the line is steep and the previous one is not, or the reverse: its ends are then
-    /// drawn even if `off`.
+    /// Whether exactly one of this line and the previous line is steep. The line then draws its
+    /// ends even if `off`.
     turns: bool,
     /// Whether an open chain begins with this line.
     is_first: bool,
@@ -75,7 +75,7 @@ fn line(pixels: &mut impl Pixels, mut from: [f32; 2], mut to: [f32; 2], join: Jo
             mix(x, y, 1.0);
         };
     }
-    // from here on, x is the longer direction
+    // from here on, the line is longer along x than along y
     if steep {
         from.swap(0, 1);
         to.swap(0, 1);

@@ -83,7 +83,7 @@ fn fill<const MOST: usize>(pixels: &mut impl Pixels, points: &[Point], color: Co
             return x1; // BipedalWalker's ground has many vertical edges
         }
         let q = (y - y1).wrapping_mul(x2 - x1) as f32 / (y2 - y1) as f32;
-        // the order of the points decides how an intersection is rounded
+        // pygame rounds every second intersection down, the others up
         x1 + if before.is_multiple_of(2) {
             q.floor()
         } else {
@@ -126,7 +126,7 @@ fn triangle(pixels: &mut impl Pixels, [mut a, mut b, mut c]: [[i32; 2]; 3], colo
     }
 }
 
-/// Draws a filled circle whose centre is a corner of pixels.
+/// Draws a filled circle whose centre is the common corner of four pixels.
 pub(super) fn circle(pixels: &mut impl Pixels, [cx, cy]: [i32; 2], radius: i32, color: Color) {
     if radius < 1 {
         return;

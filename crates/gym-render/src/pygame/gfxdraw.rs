@@ -19,7 +19,7 @@ const RIGHT: u8 = 2;
 const BOTTOM: u8 = 4;
 const TOP: u8 = 8;
 
-/// Clips a line to the surface; may swap the ends.
+/// Clips the line from `p` to `q` to the surface. The result may have the ends swapped.
 fn clip(mut p: [i16; 2], mut q: [i16; 2], [right, bottom]: [i16; 2]) -> Option<[[i16; 2]; 2]> {
     let outside = |[x, y]: [i16; 2]| {
         (u8::from(x < 0) * LEFT)
@@ -56,8 +56,8 @@ fn clip(mut p: [i16; 2], mut q: [i16; 2], [right, bottom]: [i16; 2]) -> Option<[
     None
 }
 
-/// Draws an antialiased line: each pixel shares its colour with its neighbour across the line. The
-/// last pixel is left to the next line.
+/// Draws an antialiased line: each step along the line divides the colour between two adjacent
+/// pixels across the line. The next line of an outline draws the last pixel.
 fn aaline(pixels: &mut impl Pixels, p: [i32; 2], q: [i32; 2], color: Color) {
     let corner = [(pixels.width() - 1) as i16, (pixels.height() - 1) as i16];
     let Some([p, q]) = clip(p.map(|x| x as i16), q.map(|x| x as i16), corner) else {
@@ -98,7 +98,7 @@ fn aaline(pixels: &mut impl Pixels, p: [i32; 2], q: [i32; 2], color: Color) {
             let (x, y) = (tx + sx * (at >> 32) as i32, ty + k as i32);
             at += step;
             pixels.blend(x, y, color, near);
-            // clipping keeps the line on the surface, but not its antialiased neighbours
+            // the line is on the surface, but the second pixel across the line may not be
             if x + sx >= 0 && x + sx < pixels.width() {
                 pixels.blend(x + sx, y, color, far);
             }
@@ -108,7 +108,7 @@ fn aaline(pixels: &mut impl Pixels, p: [i32; 2], q: [i32; 2], color: Color) {
     let Range { start: mut k, end } = steps(first_at(from - 1), first_at(to));
     let mut at = u64::from(k) * step;
     while k < end {
-        // while the line stays between the same two rows
+        // draw together all steps whose two pixels are in the same rows
         let (minor, first) = (at >> 32, k);
         while k < end && at >> 32 == minor {
             k += 1;
@@ -125,7 +125,7 @@ fn aaline(pixels: &mut impl Pixels, p: [i32; 2], q: [i32; 2], color: Color) {
     }
 }
 
-/// Fills a polygon; part of its outline belongs to the fill.
+/// Fills a polygon, including a part of its outline.
 pub(super) fn filled_polygon(pixels: &mut impl Pixels, points: &[Point], color: Color) {
     if points.len() <= FEW {
         fill::<FEW>(pixels, points, color);
@@ -160,11 +160,11 @@ fn scan<const MOST: usize>(
     });
 }
 
-/// The number of rows that [`polygon`] handles at once.
+/// The largest number of rows of a surface on which [`polygon`] draws.
 pub(crate) const MOST_ROWS: usize = 64;
 
-/// Draws [`aapolygon`] and then [`filled_polygon`] with the same points, without the part of the
-/// outline that the fill would cover.
+/// Draws [`aapolygon`] and then [`filled_polygon`] with the same points, but skips the part of the
+/// outline that the fill covers.
 pub(crate) fn polygon(pixels: &mut impl Pixels, points: &[Point], color: Color) {
     let rows = pixels.rows();
     let mut inside = Inside {
@@ -199,15 +199,14 @@ pub(crate) fn polygon(pixels: &mut impl Pixels, points: &[Point], color: Color) 
     );
 }
 
-/// The run that a polygon's fill covers in each row: from the first pixel up to, but excluding, the
-/// second.
+/// For each row, the run of pixels that a polygon's fill covers: the first pixel, and the pixel
+/// after the last.
 struct Inside {
     top: i32,
     runs: [[i32; 2]; MOST_ROWS],
 }
 
-/// A surface on which the pixels inside of a polygon are protected: only the fill's colour may be
-/// drawn on them.
+/// A surface that ignores blending on the pixels that a polygon's fill will cover.
 struct Outside<'a, P> {
     pixels: &'a mut P,
     inside: &'a Inside,
@@ -297,7 +296,7 @@ pub(super) fn aacircle(pixels: &mut impl Pixels, [x, y]: [i32; 2], radius: i32, 
     if radius == 0 {
         return pixels.hline(x, x, y, color);
     }
-    // the differences of the ellipse's equation along both axes
+    // the terms of the midpoint algorithm for an ellipse with equal axes
     let area = i64::from(radius) * i64::from(radius);
     let quarter = (area as f64 / ((2 * area) as f64).sqrt()).round_ties_even() as i32;
     let (mut t, mut s, mut d) = (0, -2 * area * i64::from(radius), 0);

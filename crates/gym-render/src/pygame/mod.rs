@@ -3,9 +3,9 @@
 //! Written from a description of pygame-ce 2.5.8's output and tested against recordings of it
 //! (`tests/pygame`). One file per module of pygame: [`gfxdraw`], [`draw`], [`aalines`].
 //!
-//! All functions draw on [`Pixels`]: a surface of which some rows are stored. Calls are clipped at
-//! the edges of the *surface*, as by pygame; rows that are not stored are skipped, so a surface can
-//! be drawn in bands (see [`sheet`](crate::sheet)).
+//! All functions draw on [`Pixels`], a surface of which only some rows may be stored. As in pygame,
+//! the edges of the whole surface clip a call. Rows that are not stored are skipped, so that a
+//! large surface can be drawn in bands (see [`downscale`](crate::downscale)).
 
 mod aalines;
 mod draw;
@@ -23,7 +23,7 @@ pub(crate) use gfxdraw::{MOST_ROWS, polygon as gfx_polygon};
 pub(crate) use rgb::RgbPixels;
 pub(crate) use smoothscale::{Phase, part, phases};
 
-/// A surface of which some rows are stored.
+/// A surface of which only some rows may be stored.
 pub(crate) trait Pixels {
     /// Returns the width of the surface.
     fn width(&self) -> i32;
@@ -57,7 +57,7 @@ pub(crate) trait Pixels {
         }
     }
 
-    /// Whether a pixel is on the surface, in a stored row.
+    /// Whether the pixel at `x`, `y` is on the surface, in a stored row.
     fn keeps(&self, x: i32, y: i32) -> bool {
         (0..self.width()).contains(&x) && self.rows().contains(&y)
     }
@@ -82,8 +82,8 @@ pub(crate) trait Pixels {
     }
 }
 
-/// Beyond this distance from the surface's corner, pygame's 16-bit coordinates overflow, and loops
-/// would be slow.
+/// The largest distance from the surface's corner. Further away, pygame's 16-bit coordinates
+/// overflow, and loops would be slow.
 const REACH: f64 = 30_000.0;
 
 /// Whether pygame's coordinates do not overflow.
@@ -180,8 +180,8 @@ impl Edge {
     }
 }
 
-/// The non-horizontal edges of a polygon, in the order last to first point, first to second, and so
-/// on; with the polygon's first and last row.
+/// The non-horizontal edges of a polygon (from the last point to the first, from the first to the
+/// second, and so on), and the polygon's first and last row.
 struct Edges<const MOST: usize> {
     edges: [Edge; MOST],
     count: usize,
@@ -189,9 +189,9 @@ struct Edges<const MOST: usize> {
     max: i32,
 }
 
-/// Enough edges for most polygons.
+/// The number of edges that suffices for most polygons.
 const FEW: usize = 8;
-/// More edges than any environment's polygon has; further edges are ignored.
+/// A number of edges that no environment's polygon exceeds. Further edges are ignored.
 const MANY: usize = 80;
 
 impl<const MOST: usize> Edges<MOST> {
@@ -220,9 +220,10 @@ impl<const MOST: usize> Edges<MOST> {
         edges
     }
 
-    /// Calls `draw` with each pair of intersections between which a row lies inside. `cut` returns
-    /// where a row intersects an edge, given the number of earlier intersections. An edge includes
-    /// its upper end; in the polygon's last row it also includes its lower end.
+    /// Calls `draw` with each pair of intersections that have the polygon's inside between them.
+    /// `cut` returns the intersection of an edge and a row, given the number of earlier
+    /// intersections in the row. An edge includes its upper end; in the polygon's last row it also
+    /// includes its lower end.
     #[inline]
     fn scan(
         &self,
@@ -235,7 +236,7 @@ impl<const MOST: usize> Edges<MOST> {
         let mut y = self.min.max(rows.start);
         let bottom = (self.max + 1).min(rows.end);
         while y < bottom {
-            // between two consecutive ends of edges, all rows intersect the same edges
+            // from `y` up to the next end of an edge, all rows intersect the same edges
             let mut cut_ones = [Edge::default(); MOST];
             let mut count = 0;
             let mut next = bottom;

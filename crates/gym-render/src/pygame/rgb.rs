@@ -8,9 +8,10 @@ use gym_core::render::Frame;
 use super::Pixels;
 use crate::pixels::{self, RGB};
 
-/// The rows of a frame, drawn from the top or, as in Gymnasium, from the bottom.
+/// A frame as a pygame surface. Row 0 is the top row or, if flipped as in Gymnasium, the bottom
+/// row.
 ///
-/// The surface can be wider than the frame, which then shows the surface's right end.
+/// The surface can be wider than the frame. The frame then shows the surface's right part.
 pub(crate) struct RgbPixels<'a> {
     pub(crate) frame: &'a mut Frame,
     /// The columns of the surface left of the frame.
@@ -19,11 +20,11 @@ pub(crate) struct RgbPixels<'a> {
     pub(crate) flipped: bool,
     /// The bytes of the last long run, if they are still unchanged, and its colour.
     last: (Range<usize>, Color),
-    /// A short run, and its colour.
+    /// The bytes of the last short run, and its colour.
     short: ([u8; SHORT], Option<Color>),
 }
 
-/// The longest run, in bytes, that is filled without comparing it to the previous run.
+/// The longest run, in bytes, that counts as short.
 const SHORT: usize = 32 * RGB;
 
 impl<'a> RgbPixels<'a> {
@@ -81,7 +82,7 @@ impl Pixels for RgbPixels<'_> {
             }
             return self.frame.pixels_mut()[start..start + bytes].copy_from_slice(&run[..bytes]);
         }
-        // polygons consist of similar runs, and copying is fast
+        // polygons consist of similar runs: copying the last run is faster than filling
         let (last, last_color) = &self.last;
         if bytes <= last.len() && *last_color == color {
             let first = last.start;

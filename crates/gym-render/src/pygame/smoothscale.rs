@@ -1,7 +1,8 @@
 //! `pygame.transform.smoothscale`, for shrinking.
 //!
-//! Each output sample is the mean of the input samples that it covers, with weights at its ends, in
-//! 16-bit integers that round down: a plain image becomes up to two levels darker.
+//! Each output sample is the mean of the input samples that it covers; the first and the last input
+//! sample have a weight. The arithmetic uses 16-bit integers that round down, so an image of one
+//! colour becomes up to two levels darker.
 
 /// One output sample: the input samples that it covers, with their weights.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -11,7 +12,7 @@ pub(crate) struct Phase {
     pub(crate) first_share: u16,
     /// The first completely covered input sample.
     pub(crate) begin: usize,
-    /// The sample after the completely covered ones, and its weight.
+    /// The input sample after the completely covered samples, and its weight.
     pub(crate) last: usize,
     pub(crate) last_share: u16,
     /// The factor that turns a sum into a mean.
@@ -28,14 +29,14 @@ pub(crate) fn part(value: u16, share: u16) -> u16 {
 }
 
 impl Phase {
-    /// Returns the mean, from the first sample, the sum of the complete samples, and the last
-    /// sample.
+    /// Returns the mean of the first sample `first`, the completely covered samples with the sum
+    /// `whole`, and the last sample `last`.
     #[inline(always)]
     pub(crate) fn mean(&self, first: u16, whole: u16, last: u16) -> u8 {
         self.of(part(first, self.first_share).wrapping_add(whole), last)
     }
 
-    /// Returns the mean, from the sum of all samples except the last, and the last.
+    /// Returns the mean. `sum` is the weighted sum of all samples except the last sample `last`.
     #[inline(always)]
     pub(crate) fn of(&self, sum: u16, last: u16) -> u8 {
         let sum = sum.wrapping_add(part(last, self.last_share));

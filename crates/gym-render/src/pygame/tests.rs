@@ -279,7 +279,7 @@ fn smoothscale(frame: &Frame, (width, height): (u32, u32)) -> Frame {
 /// A function that draws on a surface.
 type Paint<'a> = dyn FnMut(Primitive<'_>, Color) + 'a;
 
-/// Whether drawing and reducing a surface in bands gives the same as drawing it whole.
+/// Whether a surface drawn and reduced in bands gives the same frame as a surface drawn whole.
 fn shrinks_as_whole(
     raster: &mut crate::Raster,
     from: (u32, u32),
@@ -318,7 +318,7 @@ fn a_surface_that_is_never_whole_is_shrunk_as_one_that_is() {
                 .map(|_| {
                     let points = [(); 4].map(|()| [next(2.0) - 0.5, next(2.0) - 0.5]);
                     let scale = |[x, y]: Point| [x * f64::from(from.0), y * f64::from(from.1)];
-                    // few colours, so that neighbours often have the same
+                    // few colours, so that adjacent shapes often have the same colour
                     let color = [next(255.0), next(255.0), next(255.0)].map(|x| x as u8 & 0x80);
                     (points.map(scale), color, next(17.0) as usize)
                 })

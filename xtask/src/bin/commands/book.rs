@@ -1,5 +1,5 @@
-//! The book: text between the marks of a page; every page is in its table of contents, every link has
-//! a target.
+//! The book: writes generated text between the marks of a page, and checks that the table of
+//! contents has every page and that every link has a target.
 
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
@@ -7,20 +7,20 @@ use std::path::{Path, PathBuf};
 use gym::{Error, Result};
 use gym_cli::Document;
 
-/// The limit for all images of a page: the list of environments loads every GIF.
+/// The largest size of all images of a page together. The list of environments loads every GIF.
 const MAX_IMAGE_BYTES: u64 = 6_000_000;
 
 /// The lines around a part of a page that the commands write.
 pub(crate) type Marks = [&'static str; 2];
 
-/// The page at `path` in `folder`, with `text` between its marks.
+/// Returns the page at `path` in `folder`, with `text` between its marks.
 pub(crate) fn page(folder: &Path, path: &str, marks: Marks, text: &str) -> Result<Document> {
     let file = folder.join(path);
     let page = std::fs::read_to_string(&file).map_err(|error| Error::io(&file, error))?;
     Ok((path.into(), between(path, &page, marks, text)?.into_bytes()))
 }
 
-/// A page with this text between its marks.
+/// Returns the page `page` with `text` between its marks.
 fn between(name: &str, page: &str, marks: Marks, text: &str) -> Result<String> {
     let parts = page
         .split_once(marks[0])
@@ -30,7 +30,7 @@ fn between(name: &str, page: &str, marks: Marks, text: &str) -> Result<String> {
     Ok(format!("{head}{}\n{text}\n{}{tail}", marks[0], marks[1]))
 }
 
-/// Checks the book in `folder`, and reports all that is wrong.
+/// Checks the book in `folder`, and reports all faults.
 pub(crate) fn check(folder: &Path) -> Result<()> {
     let mut files = Vec::new();
     collect(folder, &mut files)?;
@@ -94,7 +94,7 @@ fn collect(folder: &Path, files: &mut Vec<PathBuf>) -> Result<()> {
     Ok(())
 }
 
-/// The targets of the links and images of a page, outside of code.
+/// Returns the targets of the links and images of a page, outside of code.
 fn links(text: &str) -> Vec<&str> {
     let mut links = Vec::new();
     for line in prose(text) {
@@ -111,7 +111,7 @@ fn links(text: &str) -> Vec<&str> {
     links
 }
 
-/// The lines outside of code blocks.
+/// Iterates over the lines outside of code blocks.
 fn prose(text: &str) -> impl Iterator<Item = &str> {
     let mut in_code = false;
     text.lines().filter(move |line| {
@@ -121,7 +121,8 @@ fn prose(text: &str) -> impl Iterator<Item = &str> {
     })
 }
 
-/// The file that a link of `page` leads to, if it is in the book; or the fault.
+/// Returns the file to which a link of `page` leads, `None` if the link leads out of the book, or
+/// an error for a broken link.
 fn target(folder: &Path, page: &Path, link: &str) -> Result<Option<PathBuf>, String> {
     // links without a target are chapters that are not written yet
     if link.is_empty() || link.starts_with("https://") || link.starts_with("http://") {
@@ -149,7 +150,7 @@ fn target(folder: &Path, page: &Path, link: &str) -> Result<Option<PathBuf>, Str
     Ok(Some(folder.join(inside)))
 }
 
-/// The anchor of a heading, as forges and mdBook make it.
+/// Returns the anchor of a heading, as GitHub and mdBook make it.
 fn slug(heading: &str) -> String {
     let text = heading.trim_start_matches('#').trim().to_lowercase();
     let kept = text

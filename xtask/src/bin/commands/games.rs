@@ -14,7 +14,7 @@ const MARKS: Marks = [
     "<!-- end of games -->\n",
 ];
 
-/// The page, with the table of the supported games.
+/// Returns the page with the table of the supported games.
 pub(crate) fn document(folder: &Path) -> Result<Document> {
     book::page(folder, PAGE, MARKS, &table())
 }
@@ -35,7 +35,7 @@ fn table() -> String {
     head.to_owned() + &rows.collect::<String>()
 }
 
-/// All modes, or the first, the last and their number.
+/// Returns all modes or, if there are many, the first mode, the last mode and their number.
 fn modes(game: &Game) -> String {
     let modes: Vec<_> = game
         .modes

@@ -24,7 +24,7 @@ fn main() -> ExitCode {
     gym_cli::main_with_book(env!("CARGO_MANIFEST_DIR"), &book)
 }
 
-/// The tables of wrappers and games, and the sheet of images.
+/// Returns the pages with the tables of wrappers and games, and the contact sheet.
 fn documents(folder: &Path, draw: bool) -> Result<Vec<Document>> {
     let mut documents = vec![wrappers::document(folder)?];
     #[cfg(feature = "families")]

@@ -1,11 +1,12 @@
-//! The sheet of images of many environments.
+//! The contact sheet: images of several environments in one image.
 
 use gym::render::{Frame, RenderMode};
 use gym::render::{contact_sheet, write_png};
 use gym::{BoxEnv, EnvExt, Error, Result};
 use gym_cli::Document;
 
-/// The frames of the sheet: the environment, the size, and the number of random steps before.
+/// The frames of the contact sheet: the environment, the size, and the number of random steps
+/// before the frame.
 const SHEET: [(&str, (u32, u32), usize); 9] = [
     ("LunarLander-v3", (360, 240), 40),
     ("BipedalWalker-v3", (360, 240), 30),

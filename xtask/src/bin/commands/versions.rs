@@ -1,5 +1,5 @@
-//! The tables of `docs/mujoco-versions.md`: which ids follow which version of MuJoCo by default, and
-//! from which step on two versions differ.
+//! The tables of `docs/mujoco-versions.md`: the default version of MuJoCo for each id, and the
+//! first step at which two versions differ.
 
 use std::fmt::Write;
 use std::path::Path;
@@ -21,7 +21,7 @@ const SEED: u64 = 0;
 /// The limits of differences in the table; with 0, a difference of one bit counts.
 const LIMITS: [f64; 3] = [0.0, 1e-9, 1e-3];
 
-/// The page, with the tables of versions and of differences.
+/// Returns the page with the tables of versions and of differences.
 pub(crate) fn document(folder: &Path) -> Result<Document> {
     let written = |error: std::fmt::Error| Error::custom(error.to_string());
     let mut text = String::from("| `mujoco` | equal to MuJoCo |\n|---|---|\n");
@@ -45,8 +45,9 @@ pub(crate) fn document(folder: &Path) -> Result<Document> {
     book::page(folder, PAGE, MARKS, &text)
 }
 
-/// The first steps at which an observation or a reward differs by more than each limit, with random
-/// actions and a new episode where the first version's ends; step 0 is the reset.
+/// Returns, for each limit, the first step at which an observation or a reward differs by more than
+/// the limit. The actions are random; when the episode of the first version ends, both versions are
+/// reset. Step 0 is the reset.
 fn first_differences(registration: &Registration) -> Result<[Option<usize>; 3]> {
     let made = |revision: &Revision| {
         let builder = builder(registration.id()).arg("mujoco", revision.name());

@@ -15,7 +15,7 @@ const MARKS: Marks = [
     "<!-- end of wrappers -->\n",
 ];
 
-/// The page, with the table of the registered wrappers.
+/// Returns the page with the table of the registered wrappers.
 pub(crate) fn document(folder: &Path) -> Result<Document> {
     let mut table =
         String::from("| wrapper | around | what it does | arguments |\n|---|---|---|---|\n");
@@ -56,7 +56,7 @@ pub(crate) fn document(folder: &Path) -> Result<Document> {
     book::page(folder, PAGE, MARKS, &table)
 }
 
-/// `` `delay`: integer. By how many steps observations are late ``
+/// Describes an argument, such as `` `delay` (integer, 1): ... ``.
 fn described(argument: &Argument) -> String {
     let Argument {
         name,

@@ -1,5 +1,5 @@
-//! A cheap test that makes most computations of a time of impact unnecessary: whether a moving
-//! shape is certain to stay away from a static one.
+//! A cheap test of whether a moving shape certainly stays away from a static shape. It makes most
+//! computations of a time of impact unnecessary.
 
 use super::math::{Vec2, cross_one, dot, max, min, normalize, transform, vec2};
 use super::settings::LINEAR_SLOP;
@@ -10,12 +10,13 @@ use super::time_of_impact::Moving;
 /// [`time_of_impact`](super::time_of_impact) reports an impact. It is far larger than rounding
 /// errors.
 const MARGIN: f32 = 0.5 * LINEAR_SLOP;
-/// The largest turn within a step that the test handles, in rad.
+/// The largest rotation within a step that the test handles, in rad.
 const MAX_TURN: f32 = 0.5;
 
 /// Whether `ground` is at the origin and a separating axis keeps `moving` further away than `reach`
-/// during its whole motion. If so, [`time_of_impact`](super::time_of_impact::time_of_impact)
-/// returns `None`. `reach` is the distance at which the shapes count as touching.
+/// during the whole motion of `moving`. If so,
+/// [`time_of_impact`](super::time_of_impact::time_of_impact) returns `None`. `reach` is the
+/// distance at which the shapes count as touching.
 pub(crate) fn stays_away(ground: &Moving<'_>, moving: &Moving<'_>, reach: f32) -> bool {
     let still = &ground.sweep;
     let zero = Vec2::zeros();
@@ -37,7 +38,7 @@ pub(crate) fn stays_away(ground: &Moving<'_>, moving: &Moving<'_>, reach: f32) -
         *ends = [transform(&start, *vertex), transform(&end, *vertex)];
     }
     let ends = &ends[..2 * vertices.len()];
-    // a vertex deviates from the straight line between its ends by at most the sagitta of its arc
+    // a vertex moves along an arc: the arc's sagitta is the largest deviation from its chord
     let gap = reach + MARGIN + radius2.sqrt() * turn * turn / 8.0;
     let ground = ground.shape.vertices();
     let apart = |axis: Vec2| {

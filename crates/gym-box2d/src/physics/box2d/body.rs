@@ -43,7 +43,7 @@ pub(in crate::physics) struct Fixture {
     pub(in crate::physics) filter: Filter,
     pub(in crate::physics) sensor: bool,
     pub(in crate::physics) proxy: u32,
-    /// The next older fixture of the same body.
+    /// The fixture that was added to the same body before this one.
     pub(in crate::physics) next: Option<u32>,
 }
 
@@ -156,7 +156,7 @@ impl Body {
         self.xf = pose_about(self.sweep.c, self.sweep.a, self.sweep.local_center);
     }
 
-    /// Moves the body to the fraction `alpha` of the step.
+    /// Moves the body to its position at the fraction `alpha` of the step.
     pub(in crate::physics) fn advance(&mut self, alpha: f32) {
         self.sweep.advance(alpha);
         self.sweep.c = self.sweep.c0;

@@ -1,8 +1,8 @@
-//! Finds the pairs of fixtures that may touch. A fixture's box has a margin, so that small motions
-//! change no pair.
+//! Finds the pairs of fixtures that may touch. A fixture's broad-phase box has a margin, so that
+//! small motions change no pair.
 //!
-//! Box2D keeps the boxes in a tree. Both sort the pairs by the proxies' ids, so this linear search
-//! gives the same contacts in the same order.
+//! Box2D searches a tree of the boxes, this module all boxes in turn. Both sort the pairs by the
+//! proxies' ids, so the contacts and their order are the same.
 
 use serde::{Deserialize, Serialize};
 
@@ -11,7 +11,7 @@ use super::settings::{AABB_EXTENSION, AABB_MULTIPLIER};
 use super::shape::Aabb;
 use super::terrain::Terrain;
 
-/// The box of one fixture.
+/// The broad-phase box of one fixture.
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 struct Proxy {
     fat: Aabb,
@@ -34,7 +34,7 @@ pub(crate) struct BroadPhase {
 }
 
 impl BroadPhase {
-    /// Inserts terrain. The world must not have any.
+    /// Inserts terrain into a world without terrain.
     pub(crate) fn insert_terrain(&mut self, points: &[Vec2], friction: f32) {
         self.terrain = Terrain::new(points.to_vec(), friction, self.proxies.len() as u32);
         self.moved.clear();

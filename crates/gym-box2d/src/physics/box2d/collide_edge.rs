@@ -1,5 +1,5 @@
-//! Contact of an edge and a polygon: `b2EPCollider` of Box2D 2.3 for an edge without neighbours,
-//! which collides from both sides.
+//! Contact of an edge and a polygon: `b2EPCollider` of Box2D 2.3, for an edge without adjacent
+//! edges (`m_hasVertex0` and `m_hasVertex3` are false). Such an edge collides from both sides.
 
 use super::manifold::{ClipVertex, Feature, Kind, Manifold, clip};
 use super::math::{
@@ -141,7 +141,7 @@ fn polygon_separation(
     v2: Vec2,
     normal: Vec2,
 ) -> Option<(usize, f32)> {
-    // Box2D's limit on the angle of a face; for an edge without neighbours it excludes no face
+    // Box2D's limit on the angle of a face; for an edge without adjacent edges it excludes no face
     let limit = -normal;
     let mut best = None;
     let mut best_separation = -f32::MAX;

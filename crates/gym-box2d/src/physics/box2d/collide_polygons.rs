@@ -1,6 +1,6 @@
 //! Contact of two polygons: finds the face with the largest separation and clips the other
-//! polygon's edge to it, like `b2CollidePolygon.cpp` of Box2D 2.3.0 (later versions search in
-//! another way).
+//! polygon's edge to it, like `b2CollidePolygon.cpp` of Box2D 2.3.0 (later versions search every
+//! face).
 
 use super::manifold::{ClipVertex, Feature, Kind, Manifold, clip};
 use super::math::{
@@ -49,8 +49,8 @@ fn face_separation(a: &Geometry, xf_a: &Pose, face: usize, b: &Geometry, xf_b: &
     )
 }
 
-/// Returns the face of `a` with the largest separation from `b`: hill climbing from the face that
-/// points most towards `b`.
+/// Returns the face of `a` with the largest separation from `b`. The search climbs from face to
+/// face, from the face that points most towards `b`.
 fn max_separation(a: &Geometry, xf_a: &Pose, b: &Geometry, xf_b: &Pose) -> (usize, f32) {
     let d = transform(xf_b, b.centroid) - transform(xf_a, a.centroid);
     let towards = rotate_back(xf_a.rotation, d);
@@ -91,8 +91,8 @@ fn max_separation(a: &Geometry, xf_a: &Pose, b: &Geometry, xf_b: &Pose) -> (usiz
     }
 }
 
-/// Returns the edge of `incident` whose normal points most against a face of `reference`, clipped
-/// to that face.
+/// Clips the incident edge to the reference face `face`. The incident edge is the edge of
+/// `incident` whose normal points most against this face's normal.
 fn clip_to_face(
     kind: Kind,
     (reference, xf1, face): (&Geometry, &Pose, usize),

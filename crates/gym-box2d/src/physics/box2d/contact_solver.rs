@@ -54,7 +54,7 @@ impl Mat22 {
 /// A contact while the solver works on its island.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Constraint {
-    /// Index of the contact in the world's list.
+    /// Index in `Box2d::contacts`.
     pub(crate) contact: usize,
     a: Side,
     b: Side,
@@ -63,15 +63,15 @@ pub(crate) struct Constraint {
     manifold: Manifold,
     normal: Vec2,
     points: [Point; 2],
-    /// The points that the velocity solver uses.
+    /// The number of points that the velocity solver uses.
     count: usize,
     k: Mat22,
     normal_mass: Mat22,
 }
 
 impl Constraint {
-    /// Makes the constraint of `contact`. With `ratio`, its impulses start at `ratio` times those
-    /// of the last step; without, at 0.
+    /// Makes the constraint of `contact`. The impulses start at `ratio` times the last step's
+    /// impulses; without `ratio`, at 0.
     pub(crate) fn new(
         index: usize,
         contact: &Contact,
@@ -101,7 +101,7 @@ impl Constraint {
         }
     }
 
-    /// Computes normal, levers and effective masses at the island's positions.
+    /// Computes the normal, the lever arms and the effective masses at `positions`.
     pub(crate) fn initialize(&mut self, positions: &[Position], velocities: &[Velocity]) {
         let (a, b) = (self.a, self.b);
         let (m_a, i_a, m_b, i_b) = (a.inv_mass, a.inv_inertia, b.inv_mass, b.inv_inertia);
@@ -161,7 +161,7 @@ impl Constraint {
         }
     }
 
-    /// Applies the initial impulses.
+    /// Applies the initial impulses to the velocities.
     pub(crate) fn warm_start(&self, velocities: &mut [Velocity]) {
         let (mut vel_a, mut vel_b) = (velocities[self.a.index], velocities[self.b.index]);
         let tangent = cross_one(self.normal);
@@ -176,8 +176,8 @@ impl Constraint {
         velocities[self.b.index] = vel_b;
     }
 
-    /// Makes one iteration: friction first, because non-penetration is more important and should be
-    /// solved last.
+    /// Makes one velocity iteration. Friction comes first, because Box2D solves non-penetration,
+    /// which is more important, last.
     #[inline]
     pub(crate) fn solve_velocity(&mut self, velocities: &mut [Velocity]) {
         let (mut vel_a, mut vel_b) = (velocities[self.a.index], velocities[self.b.index]);
@@ -278,12 +278,14 @@ impl Constraint {
         }
     }
 
-    /// Pushes overlapping bodies apart; returns the smallest separation.
+    /// Makes one position iteration: pushes overlapping bodies apart. Returns the smallest
+    /// separation.
     pub(crate) fn solve_position(&self, positions: &mut [Position]) -> f32 {
         self.push_apart(positions, BAUMGARTE, [true; 2])
     }
 
-    /// Like `solve_position`, at a time of impact: only the two bodies `movable` move.
+    /// Like [`solve_position`](Self::solve_position), at a time of impact. Only the two bodies
+    /// `movable` move.
     pub(crate) fn solve_toi_position(
         &self,
         positions: &mut [Position],
@@ -327,8 +329,8 @@ impl Constraint {
         min_separation
     }
 
-    /// Returns normal, location and separation of point `index` of the manifold at positions `a`
-    /// and `b`.
+    /// Returns the normal, the location and the separation of point `index` of the manifold at
+    /// positions `a` and `b`.
     fn separation(&self, index: usize, a: &Position, b: &Position) -> (Vec2, Vec2, f32) {
         let xf_a = pose_about(a.c, a.a, self.a.local_center);
         let xf_b = pose_about(b.c, b.a, self.b.local_center);

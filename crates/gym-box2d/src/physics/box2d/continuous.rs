@@ -65,7 +65,8 @@ impl Box2d {
             .map(|i| (i, min_alpha))
     }
 
-    /// Returns the fraction of the step after which the contact touches; 1 if it does not.
+    /// Returns the fraction of the step after which the contact's fixtures touch; 1 if they do not
+    /// touch.
     fn impact(&mut self, index: usize) -> f32 {
         let contact = &self.contacts[index];
         let (a, b) = (contact.body_a, contact.body_b);

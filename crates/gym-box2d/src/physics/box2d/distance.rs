@@ -17,7 +17,7 @@ pub(crate) struct Cache {
     pub(crate) index_b: [usize; 3],
 }
 
-/// A vertex of the simplex: a point of B minus a point of A.
+/// A vertex of the simplex: `w` is a point of B minus a point of A.
 #[derive(Clone, Copy, Default)]
 struct Vertex {
     point_a: Vec2,
@@ -181,8 +181,8 @@ impl Simplex {
         self.count = 1;
     }
 
-    /// Keeps vertices `i` and `j` as the first and second, with barycentric coordinates in the
-    /// ratio `a` to `b`.
+    /// Reduces the simplex to vertices `i` and `j`, with barycentric coordinates in the ratio `a`
+    /// to `b`.
     fn keep2(&mut self, (i, a): (usize, f32), (j, b): (usize, f32)) {
         let inverse = 1.0 / (a + b);
         let first = Vertex {
@@ -198,7 +198,7 @@ impl Simplex {
         self.count = 2;
     }
 
-    /// Finds the point of a segment that is closest to the origin.
+    /// Reduces a segment to its closest point to the origin.
     fn solve2(&mut self) {
         let [w1, w2, _] = self.vertices.map(|v| v.w);
         let e12 = w2 - w1;
@@ -213,7 +213,7 @@ impl Simplex {
         self.keep2((0, d12_1), (1, d12_2));
     }
 
-    /// Finds the point of a triangle that is closest to the origin.
+    /// Reduces a triangle to its closest point to the origin.
     fn solve3(&mut self) {
         let [w1, w2, w3] = self.vertices.map(|v| v.w);
         let e12 = w2 - w1;

@@ -1,5 +1,5 @@
-//! Islands: bodies that touch or are joined, directly or through other bodies, and are solved
-//! together.
+//! Islands: bodies that touch or are joined, directly or through other bodies. The solver solves
+//! all bodies of an island together.
 
 use super::contact_solver::Constraint as ContactConstraint;
 use super::joint::Constraint as JointConstraint;
@@ -9,23 +9,23 @@ use super::settings::{
     ANGULAR_SLEEP_TOLERANCE, LINEAR_SLEEP_TOLERANCE, LINEAR_SLOP, MAX_ROTATION, MAX_TRANSLATION,
     TIME_TO_SLEEP,
 };
-use super::sweeps::{Sweeps, sweep};
+use super::velocity_iterations::{VelocityIterations, iterate};
 use super::{BODIES, Box2d, CONTACTS, JOINTS, TimeStep};
 
-/// A step that has begun: its velocities are not solved yet.
+/// A step between [`Box2d::begin`] and [`Box2d::finish`].
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Begun {
     pub(super) step: TimeStep,
-    /// The dynamic body whose island was found first, if there is an island.
+    /// The dynamic body from which the first island was found, if there is an island.
     pub(super) seed: Option<usize>,
 }
 
-/// The members of an island in the order of solving, and the working memory of a step. Worlds may
-/// share it: between steps it holds no state.
+/// The members of an island in the order of solving, and the working memory of a step. Several
+/// worlds may share one `Island`, because it has no state between steps.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Island {
     pub(crate) bodies: Vec<u32>,
-    /// Indices of contacts in the world's list.
+    /// Indices in `Box2d::contacts`.
     pub(crate) contacts: Vec<usize>,
     pub(crate) joints: Vec<u32>,
     pub(crate) stack: Vec<u32>,
@@ -33,12 +33,13 @@ pub(crate) struct Island {
     pub(crate) velocities: Vec<Velocity>,
     pub(super) contact_constraints: Vec<ContactConstraint>,
     pub(crate) joint_constraints: Vec<JointConstraint>,
-    sweeps: Sweeps,
+    velocity_iterations: VelocityIterations,
     pub(crate) pairs: Vec<(u32, u32)>,
-    /// The step that has begun.
+    /// The step between [`Box2d::begin`] and [`Box2d::finish`].
     pub(super) begun: Option<Begun>,
-    /// Disables the shortcut for repeating iterations, to test it.
-    pub(crate) plain: bool,
+    /// Disables the shortcut of [`velocity_iterations`](super::velocity_iterations). Tests compare
+    /// both ways.
+    pub(crate) no_shortcut: bool,
 }
 
 impl Island {
@@ -52,10 +53,10 @@ impl Island {
             velocities: Vec::with_capacity(BODIES),
             contact_constraints: Vec::with_capacity(CONTACTS),
             joint_constraints: Vec::with_capacity(JOINTS),
-            sweeps: Sweeps::new(),
+            velocity_iterations: VelocityIterations::new(),
             pairs: Vec::with_capacity(CONTACTS),
             begun: None,
-            plain: false,
+            no_shortcut: false,
         }
     }
 
@@ -70,7 +71,7 @@ impl Island {
         self.bodies.push(body);
     }
 
-    /// Returns the solvers' data about `body`.
+    /// Returns the data about `body` that the constraints need.
     fn side(world: &Box2d, body: u32, radius: f32) -> Side {
         let body = &world.bodies[body];
         Side {
@@ -114,14 +115,15 @@ impl Island {
         self.build_joints(world, step);
     }
 
-    /// Runs the part of a time step after the velocity iterations: position iterations, and sleep.
+    /// Finishes a step after its velocity iterations: integrates and corrects positions, updates
+    /// sleep.
     pub(crate) fn conclude(&mut self, world: &mut Box2d, step: &TimeStep) {
         self.store_impulses(world);
         self.move_on(world, step);
     }
 
-    /// Loads positions of the bodies and their velocities, to which it adds gravity and external
-    /// forces.
+    /// Loads the bodies' positions and velocities. Adds gravity and external forces to the
+    /// velocities.
     pub(crate) fn enter(&mut self, world: &mut Box2d, step: &TimeStep) {
         let h = step.dt;
         self.positions.clear();
@@ -167,35 +169,36 @@ impl Island {
     /// Integrates positions, corrects them, and updates sleep.
     pub(crate) fn move_on(&mut self, world: &mut Box2d, step: &TimeStep) {
         self.integrate(step.dt);
-        let solved = (0..step.position_iterations).any(|_| self.sweep_positions());
+        let solved = (0..step.position_iterations).any(|_| self.solve_positions());
         for (i, &id) in self.bodies.iter().enumerate() {
             self.write_back(world, i, id);
         }
         self.update_sleep(world, step.dt, solved);
     }
 
-    /// Makes the velocity iterations of the step that has begun.
-    pub(in crate::physics) fn sweep(&mut self) {
+    /// Runs the velocity iterations of the step that [`Box2d::begin`] began.
+    pub(in crate::physics) fn solve_velocities(&mut self) {
         if let Some(Begun {
             step,
             seed: Some(_),
         }) = self.begun
         {
-            self.sweep_velocities(step.velocity_iterations);
+            self.run_velocity_iterations(step.velocity_iterations);
         }
     }
 
-    pub(crate) fn sweep_velocities(&mut self, sweeps: u32) {
+    pub(crate) fn run_velocity_iterations(&mut self, iterations: u32) {
         let Self {
             joint_constraints: joints,
             contact_constraints: contacts,
             velocities,
             ..
         } = self;
-        if self.plain {
-            (0..sweeps).for_each(|_| sweep(joints, contacts, velocities));
+        if self.no_shortcut {
+            (0..iterations).for_each(|_| iterate(joints, contacts, velocities));
         } else {
-            self.sweeps.run(sweeps, joints, contacts, velocities);
+            self.velocity_iterations
+                .run(iterations, joints, contacts, velocities);
         }
     }
 
@@ -229,7 +232,7 @@ impl Island {
 
     /// Corrects the positions of all contacts, then of all joints; returns whether every error is
     /// within tolerance.
-    fn sweep_positions(&mut self) -> bool {
+    fn solve_positions(&mut self) -> bool {
         let mut min_separation = 0.0;
         for contact in &self.contact_constraints {
             min_separation = min(min_separation, contact.solve_position(&mut self.positions));
@@ -276,8 +279,8 @@ impl Island {
         }
     }
 
-    /// Solves the rest of a step after an impact of the island's first two bodies: contacts only,
-    /// without warm starting and without storing impulses.
+    /// Solves the rest of a step after an impact of the island's first two bodies. Only contacts
+    /// count: no joints, no warm start, no stored impulses.
     pub(crate) fn solve_toi(&mut self, world: &mut Box2d, step: &TimeStep) {
         self.positions.clear();
         self.velocities.clear();
@@ -313,7 +316,7 @@ impl Island {
             constraint.initialize(&self.positions, &self.velocities);
         }
         self.joint_constraints.clear();
-        self.sweep_velocities(step.velocity_iterations);
+        self.run_velocity_iterations(step.velocity_iterations);
         self.integrate(step.dt);
         for (i, &id) in self.bodies.iter().enumerate() {
             self.write_back(world, i, id);

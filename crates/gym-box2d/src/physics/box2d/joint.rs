@@ -1,4 +1,4 @@
-//! The revolute joint: two bodies turn about a common point, with a motor and angle limits
+//! The revolute joint: two bodies rotate about a common point, with a motor and angle limits
 //! (`b2RevoluteJoint.cpp`).
 
 pub(super) mod lanes;
@@ -19,7 +19,7 @@ pub(crate) enum LimitState {
     Inactive,
     AtLower,
     AtUpper,
-    /// Both limits are nearly equal: the joint is held at one angle.
+    /// Both limits are nearly equal, so the angle is fixed.
     Equal,
 }
 
@@ -31,13 +31,13 @@ pub(crate) struct Joint {
     pub(crate) local_anchor_a: Vec2,
     pub(crate) local_anchor_b: Vec2,
     pub(crate) reference_angle: f32,
-    /// Lower and upper limit of the angle.
+    /// The lower and the upper limit of the angle.
     pub(crate) limits: Option<(f32, f32)>,
     pub(crate) motor: bool,
     pub(crate) motor_speed: f32,
     pub(crate) max_motor_torque: f32,
     pub(crate) collide_connected: bool,
-    /// The last step's impulses: x and y of the point constraint, and the limit's.
+    /// The last step's impulses: `x` and `y` of the point constraint, `z` of the limit.
     pub(crate) impulse: Vector3<f32>,
     pub(crate) motor_impulse: f32,
     pub(crate) limit_state: LimitState,
@@ -57,16 +57,16 @@ impl Joint {
     }
 }
 
-/// The changes of a joint's impulses in one iteration.
+/// The changes of a joint's impulses in one velocity iteration.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Increment {
     /// The change of the motor's impulse, before and after clamping.
     motor: f32,
     motor_applied: f32,
-    /// The changes of the impulses of point constraint and limit.
+    /// The changes of the impulses of the point constraint (`x`, `y`) and of the limit (`z`).
     impulse: Vector3<f32>,
-    /// Whether the limit was inactive because it would have pulled, and its impulse before this
-    /// iteration.
+    /// Whether the limit was inactive because its impulse would have pulled, and the limit's
+    /// impulse before this iteration.
     limit_pulls: bool,
     limit_before: f32,
 }
@@ -86,7 +86,7 @@ impl Default for Increment {
 /// A joint while the solver works on its island.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Constraint {
-    /// Index of the joint in the world's arena.
+    /// Index in `Box2d::joints`.
     pub(crate) joint: u32,
     a: Side,
     b: Side,
@@ -116,8 +116,8 @@ pub(crate) struct Constraint {
 }
 
 impl Constraint {
-    /// Computes effective mass and limit state at the island's positions, and applies the last
-    /// step's impulses, scaled by `ratio`.
+    /// Makes the constraint of `joint` at `positions`. Applies the last step's impulses, scaled by
+    /// `ratio`, to `velocities`.
     pub(crate) fn new(
         index: u32,
         joint: &Joint,
@@ -212,8 +212,8 @@ impl Constraint {
         constraint
     }
 
-    /// Makes one iteration: the motor, then the point constraint, together with the limit if that
-    /// is active.
+    /// Makes one velocity iteration: the motor, then the point constraint, together with an active
+    /// limit.
     #[inline]
     pub(crate) fn solve_velocity(&mut self, velocities: &mut [Velocity]) -> Increment {
         let (mut vel_a, mut vel_b) = (velocities[self.a.index], velocities[self.b.index]);
@@ -248,7 +248,7 @@ impl Constraint {
             increment.limit_before = self.impulse.z;
             increment.limit_pulls = self.limit_pulls(self.impulse.z + impulse.z);
             if increment.limit_pulls {
-                // a limit only pushes: solve the point constraint alone
+                // the limit would pull: solve the point constraint alone
                 let reduced = self.solve22(-cdot + self.impulse.z * vec2(self.ez.x, self.ez.y));
                 impulse = Vector3::new(reduced.x, reduced.y, -self.impulse.z);
                 self.impulse =
@@ -273,7 +273,7 @@ impl Constraint {
         clamp(impulse, -self.max_motor_impulse, self.max_motor_impulse)
     }
 
-    /// Whether an accumulated limit impulse of `impulse` would pull instead of push.
+    /// Whether the accumulated limit impulse `impulse` would pull instead of push.
     #[inline]
     fn limit_pulls(&self, impulse: f32) -> bool {
         match self.limit_state {
@@ -283,7 +283,7 @@ impl Constraint {
         }
     }
 
-    /// Whether an iteration repeats `increment`, if it starts from the same velocities.
+    /// Whether an iteration from the same velocities changes the impulses by `increment` again.
     #[inline]
     pub(crate) fn repeats(&self, increment: &Increment) -> bool {
         let motor = self.clamp_motor(self.motor_impulse + increment.motor) - self.motor_impulse;
@@ -295,8 +295,8 @@ impl Constraint {
         limit && (!self.motor || motor.to_bits() == increment.motor_applied.to_bits())
     }
 
-    /// Adds `increment` to the impulses, as an iteration that [repeats](Self::repeats) does;
-    /// returns whether an impulse changed.
+    /// Adds `increment` to the impulses, as an iteration does if [`repeats`](Self::repeats) is
+    /// true. Returns whether an impulse changed.
     #[inline]
     pub(crate) fn repeat(&mut self, increment: &Increment) -> bool {
         let (motor_before, before) = (self.motor_impulse, self.impulse);
@@ -335,8 +335,8 @@ impl Constraint {
         )
     }
 
-    /// Corrects the angle at a limit, then the anchors; returns whether both errors were within
-    /// tolerance.
+    /// Makes one position iteration: corrects the angle at a limit, then the anchors. Returns
+    /// whether both errors were within tolerance.
     pub(crate) fn solve_position(&self, positions: &mut [Position]) -> bool {
         let (mut a, mut b) = (positions[self.a.index], positions[self.b.index]);
         let (m_a, i_a) = (self.a.inv_mass, self.a.inv_inertia);

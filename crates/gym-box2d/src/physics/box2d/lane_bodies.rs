@@ -1,17 +1,17 @@
-//! The bodies of many worlds, one world in each lane of vector registers.
+//! The bodies of many worlds, one world in each lane.
 
 use fearless_simd::Simd;
 
 use super::body::Body;
 use super::motion::Velocity;
-use super::wide::{Pair, Strip, Wide, rows};
+use super::wide::{Chunk, Pair, Wide, rows};
 
 rows! {
-    /// A body.
+    /// A body, in all lanes.
     struct BodyRows { inv_mass, inv_inertia, v_x, v_y, w }
 }
 
-/// The moving bodies.
+/// The dynamic bodies of an island, in all lanes.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Bodies(Vec<BodyRows>);
 
@@ -47,7 +47,7 @@ impl Bodies {
         }
     }
 
-    /// Copies the first lane to the lanes from `len` on.
+    /// Copies lane 0 to the lanes from `len` on.
     pub(super) fn pad(&mut self, len: usize) {
         self.0.iter_mut().for_each(|rows| rows.pad(len));
     }
@@ -56,35 +56,35 @@ impl Bodies {
     #[inline(always)]
     pub(super) fn masses<S: Simd, const R: usize>(
         &self,
-        strip: Strip<S, R>,
+        chunk: Chunk<S, R>,
         body: usize,
     ) -> (Wide<S, R>, Wide<S, R>) {
         let rows = &self.0[body];
-        (strip.load(&rows.inv_mass), strip.load(&rows.inv_inertia))
+        (chunk.load(&rows.inv_mass), chunk.load(&rows.inv_inertia))
     }
 
     /// Returns the velocity and the angular velocity of `body`.
     #[inline(always)]
     pub(super) fn load<S: Simd, const R: usize>(
         &self,
-        strip: Strip<S, R>,
+        chunk: Chunk<S, R>,
         body: usize,
     ) -> (Pair<S, R>, Wide<S, R>) {
         let rows = &self.0[body];
-        (strip.pair(&rows.v_x, &rows.v_y), strip.load(&rows.w))
+        (chunk.pair(&rows.v_x, &rows.v_y), chunk.load(&rows.w))
     }
 
     #[inline(always)]
     pub(super) fn store<S: Simd, const R: usize>(
         &mut self,
-        strip: Strip<S, R>,
+        chunk: Chunk<S, R>,
         body: usize,
         v: Pair<S, R>,
         w: Wide<S, R>,
     ) {
         let rows = &mut self.0[body];
-        strip.store(&mut rows.v_x, v.x);
-        strip.store(&mut rows.v_y, v.y);
-        strip.store(&mut rows.w, w);
+        chunk.store(&mut rows.v_x, v.x);
+        chunk.store(&mut rows.v_y, v.y);
+        chunk.store(&mut rows.w, w);
     }
 }

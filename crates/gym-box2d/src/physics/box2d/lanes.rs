@@ -1,10 +1,11 @@
-//! The velocity iterations of many worlds in lockstep, one world in each lane of vector registers.
+//! The velocity iterations of many worlds in lockstep: one world in each lane of the vector
+//! registers.
 //!
-//! One iteration is a chain of dependent operations, so a single world leaves most of a CPU idle;
-//! several worlds fill it. The islands must be alike: the same bodies and joints in the same order,
-//! as in worlds of one environment. Masks handle contacts that only some worlds have.
-//! [`Lanes::load`] rejects an island that differs; it is solved by itself. The bits are the same
-//! either way.
+//! In one iteration, each operation waits for the result of the previous one, so a single world
+//! leaves most of a CPU idle; several worlds use the idle time. All islands must have the same
+//! bodies and joints in the same order, as worlds of one environment have. Masks handle contacts
+//! that only some worlds have. [`Lanes::load`] rejects an island with other bodies or joints; the
+//! caller then solves this island alone. The bits are the same either way.
 
 use fearless_simd::{Level, Simd, dispatch};
 
@@ -14,10 +15,10 @@ use super::island::{Begun, Island};
 use super::joint::Constraint as Joint;
 use super::joint::lanes::WideJoint;
 use super::lane_bodies::Bodies;
-use super::wide::{LANES, Strip};
+use super::wide::{Chunk, LANES};
 
 /// With fewer worlds, solving one by one is faster, because repeating iterations can be skipped
-/// (see [`sweeps`](super::sweeps)).
+/// (see [`velocity_iterations`](super::velocity_iterations)).
 const FEWEST: usize = 4;
 /// The largest number of contacts of one body.
 const CONTACTS_PER_BODY: usize = 8;
@@ -26,25 +27,26 @@ const CONTACTS_PER_BODY: usize = 8;
 #[derive(Clone, Debug)]
 pub(crate) struct Lanes {
     level: Level,
-    sweeps: u32,
-    /// Lanes in use.
+    iterations: u32,
+    /// The number of lanes in use.
     len: usize,
-    /// The bodies of each joint.
+    /// The indices of the two bodies of each joint.
     ends: Vec<(usize, usize)>,
     bodies: Bodies,
     joints: Vec<WideJoint>,
     /// The contacts of each body.
     contacts: Vec<[WideContact; CONTACTS_PER_BODY]>,
-    /// At least one island for each world whose step has begun.
+    /// The islands of the worlds between [`begin`](Self::begin) and [`finish`](Self::finish), and
+    /// spare ones.
     islands: Vec<Island>,
     begun: usize,
 }
 
-/// The part of [`Lanes`] that a world uses while its step has begun.
+/// The part of [`Lanes`] that a world uses between [`Lanes::begin`] and [`Lanes::finish`].
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Place {
     island: usize,
-    /// The lane that solves its velocities; `None` if the world is solved by itself.
+    /// The lane that solves the world's velocities; `None` if the world is solved alone.
     lane: Option<usize>,
 }
 
@@ -52,7 +54,7 @@ impl Lanes {
     pub(crate) fn new(level: Level) -> Self {
         Self {
             level,
-            sweeps: 0,
+            iterations: 0,
             len: 0,
             ends: Vec::new(),
             bodies: Bodies::default(),
@@ -89,7 +91,8 @@ impl Lanes {
         levels.into_iter().map(Self::new).collect()
     }
 
-    /// Begins a step of `world`, to be solved together with other worlds.
+    /// Begins a step of `world`: runs everything before the velocity iterations, and loads the
+    /// island into a lane.
     pub(in crate::physics) fn begin(
         &mut self,
         world: &mut Box2d,
@@ -111,8 +114,8 @@ impl Lanes {
         place
     }
 
-    /// Loads an island into the next lane and returns the lane. Returns `None` if the island is not
-    /// like those in the other lanes, or if all [`LANES`] are in use.
+    /// Loads an island into the next lane and returns the lane. Returns `None` if the islands in
+    /// the other lanes have other bodies or joints, or if all [`LANES`] are in use.
     fn load(&mut self, world: &Box2d, island: &Island) -> Option<usize> {
         let Begun {
             step,
@@ -121,12 +124,12 @@ impl Lanes {
         else {
             return None;
         };
-        let sweeps = step.velocity_iterations;
+        let iterations = step.velocity_iterations;
         let bodies = island.bodies.iter().map(|id| &world.bodies[*id]);
         let dynamic = bodies.clone().take_while(|body| body.dynamic).count();
         let joints = &island.joint_constraints;
         let alike = self.len == 0
-            || (sweeps == self.sweeps
+            || (iterations == self.iterations
                 && dynamic == self.bodies.len()
                 && joints.len() == self.ends.len());
         let fits = |i: usize, ends: Option<(usize, usize)>| {
@@ -152,7 +155,7 @@ impl Lanes {
         }
 
         if self.len == 0 {
-            self.sweeps = sweeps;
+            self.iterations = iterations;
             self.ends.clear();
             self.ends
                 .extend(joints.iter().filter_map(Joint::driven_ends));
@@ -180,14 +183,15 @@ impl Lanes {
         Some(lane)
     }
 
-    /// Makes the velocity iterations in all lanes.
-    pub(crate) fn sweep(&mut self) {
+    /// Runs the velocity iterations in all lanes.
+    pub(crate) fn solve_velocities(&mut self) {
         let len = self.len;
         if len < FEWEST {
             return;
         }
         if len < LANES {
-            // idle lanes need finite numbers that are not subnormal: subnormal arithmetic is slow
+            // copy a used lane to the idle lanes: subnormal numbers in an idle lane would slow all
+            // lanes
             self.bodies.pad(len);
             self.joints.iter_mut().for_each(|rows| rows.pad(len));
             let contacts = self.contacts.as_flattened_mut().iter_mut();
@@ -196,29 +200,29 @@ impl Lanes {
                 .for_each(|contact| contact.pad(len));
         }
         let level = self.level;
-        dispatch!(level, simd => self.sweep_all(simd));
+        dispatch!(level, simd => self.solve_all(simd));
     }
 
     #[inline(always)]
-    fn sweep_all<S: Simd>(&mut self, simd: S) {
+    fn solve_all<S: Simd>(&mut self, simd: S) {
         use fearless_simd::prelude::*;
         let width = S::f32s::LEN;
         let mut at = 0;
         while at < self.len {
             if self.len - at > width {
-                self.sweep_strip(Strip::<S, 2> { simd, at });
+                self.solve_chunk(Chunk::<S, 2> { simd, at });
                 at += 2 * width;
             } else {
-                self.sweep_strip(Strip::<S, 1> { simd, at });
+                self.solve_chunk(Chunk::<S, 1> { simd, at });
                 at += width;
             }
         }
     }
 
-    /// Like [`sweeps::sweep`](super::sweeps::sweep): all joints, then all contacts. Contacts of
+    /// Like [`velocity_iterations::iterate`](super::velocity_iterations::iterate): all joints, then all contacts. Contacts of
     /// different bodies are independent, so their order does not matter.
     #[inline(always)]
-    fn sweep_strip<S: Simd, const R: usize>(&mut self, strip: Strip<S, R>) {
+    fn solve_chunk<S: Simd, const R: usize>(&mut self, chunk: Chunk<S, R>) {
         let Self {
             ends,
             bodies,
@@ -226,16 +230,16 @@ impl Lanes {
             contacts,
             ..
         } = self;
-        for _ in 0..self.sweeps {
+        for _ in 0..self.iterations {
             for (joint, ends) in joints.iter_mut().zip(&*ends) {
-                joint.sweep(strip, bodies, *ends);
+                joint.solve_velocity(chunk, bodies, *ends);
             }
             for (body, contacts) in contacts.iter_mut().enumerate() {
                 for contact in contacts {
                     if contact.is_none() {
                         break;
                     }
-                    contact.sweep(strip, bodies, body);
+                    contact.solve_velocity(chunk, bodies, body);
                 }
             }
         }
@@ -246,7 +250,7 @@ impl Lanes {
         let mut island = std::mem::take(&mut self.islands[place.island]);
         match place.lane.filter(|_| self.len >= FEWEST) {
             Some(lane) => self.collect(lane, &mut island),
-            None => island.sweep(),
+            None => island.solve_velocities(),
         }
         world.finish(&mut island);
         self.islands[place.island] = island;
@@ -271,7 +275,7 @@ impl Lanes {
     }
 }
 
-/// Numbers the contacts of each body. The contacts of one body must be consecutive.
+/// Numbers the contacts of each body from 0. The contacts of one body must be consecutive.
 #[derive(Default)]
 struct Places {
     last: Option<(usize, usize)>,

@@ -38,7 +38,7 @@ impl Feature {
     }
 }
 
-/// The features that meet at a point. They identify the point from step to step.
+/// The features that meet at a point. The features identify the point from step to step.
 pub(crate) type ContactId = [Feature; 2];
 
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -115,7 +115,7 @@ impl Manifold {
         &mut self.points[..usize::from(self.count).min(2)]
     }
 
-    /// Copies the impulses of the points of `old` that have the same ids.
+    /// Copies the impulses from the points of `old` with the same ids.
     pub(crate) fn inherit(&mut self, old: &Self) {
         for point in self.points_mut() {
             if let Some(before) = old.points().iter().find(|before| before.id == point.id) {
@@ -180,8 +180,8 @@ pub(crate) struct ClipVertex {
     pub(crate) id: ContactId,
 }
 
-/// Clips a segment to the inner side of a line (Sutherland and Hodgman); `None` unless two points
-/// remain. `vertex` is the vertex of the reference face that lies on the line.
+/// Clips a segment to the inner side of a line (Sutherland and Hodgman). Returns `None` unless two
+/// points remain. `vertex` is the vertex of the reference face that lies on the line.
 pub(crate) fn clip(
     segment: [ClipVertex; 2],
     normal: Vec2,

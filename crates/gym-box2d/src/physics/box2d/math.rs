@@ -1,4 +1,4 @@
-//! Vectors, rotations and sweeps, in Box2D's order of arithmetic.
+//! Vectors, rotations and [`Sweep`]s, in Box2D's order of arithmetic.
 //!
 //! Sums of products are written out (`a.x * b.x + a.y * b.y`), minima and maxima are comparisons,
 //! and normalization multiplies by the reciprocal length: each of these affects the bits.
@@ -12,7 +12,7 @@ use gym_core::math::sin_cos_f32 as sin_cos;
 pub(crate) type Vec2 = Vector2<f32>;
 /// Position and rotation.
 pub(crate) type Pose = Isometry2<f32>;
-/// A rotation: cosine and sine.
+/// A rotation, as cosine and sine.
 pub(crate) type Rot = UnitComplex<f32>;
 
 #[inline]
@@ -30,14 +30,14 @@ pub(crate) fn cross(a: Vec2, b: Vec2) -> f32 {
     a.x * b.y - a.y * b.x
 }
 
-/// The cross product of `v` and the unit vector out of the plane: a quarter turn clockwise.
+/// The cross product of `v` and the unit vector out of the plane: `v`, turned clockwise by 90°.
 #[inline]
 pub(crate) fn cross_one(v: Vec2) -> Vec2 {
     vec2(v.y, -v.x)
 }
 
-/// The cross product of a vector of length `s` out of the plane and `v`: `s` times a quarter turn
-/// counterclockwise.
+/// The cross product of a vector of length `s` out of the plane and `v`: `s` times `v`, turned
+/// counterclockwise by 90°.
 #[inline]
 pub(crate) fn cross_scalar(s: f32, v: Vec2) -> Vec2 {
     vec2(-s * v.y, s * v.x)
@@ -140,7 +140,8 @@ pub(crate) fn transform_back(xf: &Pose, v: Vec2) -> Vec2 {
     rotate_back(xf.rotation, v - xf.translation.vector)
 }
 
-/// Returns the pose of a body whose centre of mass, `local_center` in its coordinates, is at `c`.
+/// Returns the pose of a body at `angle` whose centre of mass is at `c`. In the body's coordinates,
+/// the centre of mass is `local_center`.
 #[inline]
 pub(crate) fn pose_about(c: Vec2, angle: f32, local_center: Vec2) -> Pose {
     let q = rotation(angle);
@@ -159,7 +160,7 @@ pub(crate) fn relative(a: &Pose, b: &Pose) -> Pose {
     )
 }
 
-/// The motion of a body's centre of mass during a step.
+/// The motion of a body's centre of mass during a step: Box2D's `b2Sweep`.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub(in crate::physics) struct Sweep {
     /// Centre of mass in the body's coordinates.
@@ -177,14 +178,14 @@ pub(in crate::physics) struct Sweep {
 }
 
 impl Sweep {
-    /// Returns the pose at the fraction `beta` of the way from `alpha0` to the end.
+    /// Returns the pose at the fraction `beta` of the time from `alpha0` to the end of the step.
     #[inline]
     pub(crate) fn pose(&self, beta: f32) -> Pose {
         let c = (1.0 - beta) * self.c0 + beta * self.c;
         pose_about(c, (1.0 - beta) * self.a0 + beta * self.a, self.local_center)
     }
 
-    /// Moves the start forward to the time `alpha`.
+    /// Moves the start of the motion forward to the time `alpha`.
     pub(crate) fn advance(&mut self, alpha: f32) {
         let beta = (alpha - self.alpha0) / (1.0 - self.alpha0);
         self.c0 = (1.0 - beta) * self.c0 + beta * self.c;

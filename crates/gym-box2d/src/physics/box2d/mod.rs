@@ -1,9 +1,9 @@
 //! The exact engine: Box2D 2.3 in `f32`, to the last bit of pybox2d 2.3.10.
 //!
 //! The algorithms are Erin Catto's (sequential impulses with warm starting, islands, continuous
-//! collision), reimplemented; see the notices. Every iteration follows Box2D's order, newest first,
-//! because the order affects the bits. Features that Gymnasium's environments do not need are
-//! missing: kinematic bodies and bullets, damping, chains, other joints, filter groups.
+//! collision), reimplemented; see the notices. Every list is visited in Box2D's order, newest
+//! first, because the order affects the bits. Features that Gymnasium's environments do not need
+//! are missing: kinematic bodies and bullets, damping, chains, other joints, filter groups.
 //!
 //! | file | idea | Box2D |
 //! |---|---|---|
@@ -11,10 +11,10 @@
 //! | `shape` | mass, box and ray cast of a shape | `Collision/Shapes` |
 //! | `broad_phase`, `terrain` | pairs of boxes | `b2BroadPhase`, `b2DynamicTree` |
 //! | `manifold`, `collide*` | points of contact | `b2Collision`, `b2Collide*` |
-//! | `distance`, `time_of_impact`, `apart` | distance, first touch | `b2Distance`, `b2TimeOfImpact` |
+//! | `distance`, `time_of_impact`, `apart` | distance, time of impact | `b2Distance`, `b2TimeOfImpact` |
 //! | `body`, `contact`, `joint` | the parts of the world | `Dynamics` |
-//! | `motion`, `contact_solver`, `joint`, `sweeps`, `island` | the solver | `b2ContactSolver`, `b2Island` |
-//! | `lanes`, `lane_bodies`, `wide` | the velocities of many worlds at once | |
+//! | `motion`, `contact_solver`, `joint`, `velocity_iterations`, `island` | the solver | `b2ContactSolver`, `b2Island` |
+//! | `lanes`, `lane_bodies`, `wide` | the velocity iterations of many worlds at once | |
 //! | `step`, `continuous` | a step of the world | `b2World` |
 
 mod apart;
@@ -38,12 +38,12 @@ pub(super) mod motion;
 mod settings;
 pub(super) mod shape;
 mod step;
-mod sweeps;
 mod terrain;
 #[cfg(test)]
 mod tests;
 mod time_of_impact;
 mod validate;
+mod velocity_iterations;
 pub(super) mod wide;
 
 use serde::{Deserialize, Serialize};
@@ -66,10 +66,10 @@ use super::{
 const CONTACTS: usize = 64;
 const BODIES: usize = 32;
 const JOINTS: usize = 8;
-/// The capacity of a world with terrain for bodies: the moving ones, and the edges near them.
+/// The capacity for bodies in a world with terrain: the dynamic bodies, and the edges near them.
 const NEAR: usize = 18;
-/// The capacity of a world for contacts and events, per moving fixture. A world keeps this memory
-/// from step to step; a small world leaves more room in the CPU's cache.
+/// The capacity of a world for contacts and events, per fixture of a dynamic body. Every world has
+/// this memory of its own, so a small capacity saves cache.
 const CONTACTS_EACH: usize = 8;
 const EVENTS_EACH: usize = 4;
 
@@ -78,13 +78,13 @@ const EVENTS_EACH: usize = 4;
 pub(super) struct Box2d {
     gravity: Vec2,
     pub(super) bodies: Arena<Body>,
-    /// Dynamic bodies, oldest first.
+    /// The dynamic bodies, oldest first.
     pub(super) dynamic: Vec<u32>,
     pub(super) fixtures: Arena<Fixture>,
     pub(super) joints: Arena<Joint>,
-    /// Joints, oldest first.
+    /// The joints, oldest first.
     joint_order: Vec<u32>,
-    /// Contacts, oldest first.
+    /// The contacts, oldest first.
     pub(super) contacts: Vec<Contact>,
     broad_phase: BroadPhase,
     pub(super) new_fixture: bool,
@@ -141,7 +141,7 @@ impl Box2d {
         id
     }
 
-    /// Adds terrain. The world must not have any.
+    /// Adds terrain to a world without terrain.
     pub(crate) fn create_terrain(&mut self, points: &[Vec2], friction: f32) {
         self.broad_phase.insert_terrain(points, friction);
         self.bodies.reserve(NEAR);
@@ -263,7 +263,7 @@ impl Box2d {
             .reserve_exact(more(EVENTS_EACH, self.events.len()));
     }
 
-    /// Reads one or two numbers of each object, to prefetch its cache lines. It does not index, so
+    /// Reads one or two numbers of each object, to prefetch its cache lines. It uses no index, so
     /// it works even if a panic left the world inconsistent.
     pub(crate) fn prefetch(&self) -> u32 {
         let joints = self
@@ -320,7 +320,7 @@ impl Box2d {
         self.refilter(body_a, body_b, collide_connected);
     }
 
-    /// Destroys a body with its joints, contacts and fixtures.
+    /// Destroys the body `id` with its joints, contacts and fixtures.
     pub(crate) fn destroy_body(&mut self, id: u32) {
         for i in (0..self.joint_order.len()).rev() {
             let joint = self.joint_order[i];
@@ -412,8 +412,7 @@ impl Box2d {
         &self.events
     }
 
-    /// Returns for each ray from `from` the first fixture that it hits, of the fixtures in one of
-    /// `categories`.
+    /// Returns the first hit of each ray from `from`, among the fixtures in one of `categories`.
     pub(crate) fn ray_casts<const N: usize>(
         &self,
         from: Vec2,

@@ -2,21 +2,21 @@
 
 use super::math::Vec2;
 
-/// Centre of mass and angle.
+/// The position of the centre of mass, and the angle.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Position {
     pub(crate) c: Vec2,
     pub(crate) a: f32,
 }
 
-/// Velocity and angular velocity.
+/// The velocity of the centre of mass, and the angular velocity.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Velocity {
     pub(crate) v: Vec2,
     pub(crate) w: f32,
 }
 
-/// The solvers' data about one of a constraint's two bodies.
+/// The data that a constraint needs about one of its two bodies.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Side {
     /// Index of the body in the island.

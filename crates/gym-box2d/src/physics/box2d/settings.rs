@@ -5,13 +5,13 @@ use std::f32::consts::PI;
 
 /// Tolerance of lengths: small enough to be invisible.
 pub(crate) const LINEAR_SLOP: f32 = 0.005;
-/// Tolerance of angles.
+/// Tolerance of angles: small enough to be invisible.
 pub(crate) const ANGULAR_SLOP: f32 = 2.0 / 180.0 * PI;
 /// Radius of the skin around polygons and edges.
 pub(crate) const POLYGON_RADIUS: f32 = 2.0 * LINEAR_SLOP;
 /// Margin of a broad-phase box around its shape.
 pub(crate) const AABB_EXTENSION: f32 = 0.1;
-/// Steps of motion by which a broad-phase box is extended ahead.
+/// The number of steps whose motion a broad-phase box covers in advance.
 pub(crate) const AABB_MULTIPLIER: f32 = 2.0;
 /// The most impacts of one contact per step.
 pub(crate) const MAX_SUB_STEPS: u32 = 8;
@@ -37,5 +37,5 @@ pub(crate) const TIME_TO_SLEEP: f32 = 0.5;
 pub(crate) const LINEAR_SLEEP_TOLERANCE: f32 = 0.01;
 /// Angular speed up to which a body counts as at rest.
 pub(crate) const ANGULAR_SLEEP_TOLERANCE: f32 = 2.0 / 180.0 * PI;
-/// pybox2d's limit on a polygon's vertices. Here it only limits a loop of the time of impact.
+/// The most iterations of the inner loop of the time of impact: pybox2d's `b2_maxPolygonVertices`.
 pub(crate) const MAX_PUSH_BACKS: u32 = 16;

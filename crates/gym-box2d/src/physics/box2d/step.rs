@@ -8,8 +8,8 @@ use super::{Box2d, TimeStep};
 use crate::physics::Filter;
 
 impl Box2d {
-    /// Begins a step: updates contacts, and prepares the first island (if there is one) for its
-    /// velocity iterations. The caller makes these iterations and then calls
+    /// Begins a step: updates contacts, and prepares the first island (if there is one) for the
+    /// velocity iterations. The caller runs the velocity iterations, then calls
     /// [`finish`](Self::finish) with the same `island`.
     pub(in crate::physics) fn begin(
         &mut self,
@@ -44,8 +44,8 @@ impl Box2d {
         island.begun = Some(Begun { step, seed });
     }
 
-    /// Finishes a step that has begun: positions, further islands, impacts. Does nothing if no step
-    /// has begun.
+    /// Finishes the step that [`begin`](Self::begin) began: positions, further islands, impacts.
+    /// Without such a step, `finish` does nothing.
     pub(in crate::physics) fn finish(&mut self, island: &mut Island) {
         let Some(Begun { step, seed }) = island.begun.take() else {
             return;
@@ -56,7 +56,7 @@ impl Box2d {
                 for i in (0..seed).rev() {
                     if self.gather(island, self.dynamic[i]) {
                         island.prepare(self, &step);
-                        island.sweep_velocities(step.velocity_iterations);
+                        island.run_velocity_iterations(step.velocity_iterations);
                         island.conclude(self, &step);
                     }
                 }
@@ -72,7 +72,8 @@ impl Box2d {
         }
     }
 
-    /// Updates the contacts of awake bodies and destroys contacts whose boxes no longer overlap.
+    /// Updates the contacts of awake bodies and destroys the contacts of fixtures whose broad-phase
+    /// boxes no longer overlap.
     pub(crate) fn update_contacts(&mut self) {
         for i in (0..self.contacts.len()).rev() {
             let contact = &self.contacts[i];
@@ -118,8 +119,8 @@ impl Box2d {
             && !self.joint_order.iter().any(jointed)
     }
 
-    /// Returns the fixtures of two proxies, if they may collide. An edge of the terrain gets its
-    /// fixture here.
+    /// Returns the fixtures of proxies `a` and `b`, if they may collide. Creates the fixture of an
+    /// edge of the terrain.
     fn fixtures_of(&mut self, a: u32, b: u32) -> Option<(u32, u32)> {
         let terrain = &self.broad_phase.terrain;
         let (edge, proxy, other) = match (terrain.edge_of(a), terrain.edge_of(b)) {
@@ -137,7 +138,8 @@ impl Box2d {
         Some((self.fixture_of_edge(edge, proxy), other))
     }
 
-    /// Creates contacts for pairs of boxes that began to overlap. `pairs` is working memory.
+    /// Creates contacts for the fixtures whose broad-phase boxes began to overlap. `pairs` is
+    /// working memory.
     pub(crate) fn find_new_contacts(&mut self, pairs: &mut Vec<(u32, u32)>) {
         if !self.broad_phase.has_moved() {
             return;
@@ -178,7 +180,8 @@ impl Box2d {
         }
     }
 
-    /// Updates the broad-phase boxes of the islands' bodies, and finds new contacts.
+    /// Updates the broad-phase boxes of the islands' bodies, and finds new contacts. `pairs` is
+    /// working memory.
     pub(crate) fn synchronize_islands(&mut self, pairs: &mut Vec<(u32, u32)>) {
         for i in (0..self.dynamic.len()).rev() {
             let id = self.dynamic[i];
@@ -189,8 +192,9 @@ impl Box2d {
         self.find_new_contacts(pairs);
     }
 
-    /// Collects the island of `seed` by depth-first search along contacts and joints, which ends at
-    /// static bodies. Returns false if `seed` sleeps or is part of another island.
+    /// Collects the island of `seed` by a depth-first search along contacts and joints. The search
+    /// does not continue beyond static bodies. Returns false if `seed` sleeps or is part of another
+    /// island.
     pub(crate) fn gather(&mut self, island: &mut Island, seed: u32) -> bool {
         if self.bodies[seed].island || !self.bodies[seed].awake {
             return false;

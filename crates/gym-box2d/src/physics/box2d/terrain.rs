@@ -25,7 +25,7 @@ pub(crate) struct Terrain {
     blocks: Vec<Aabb>,
 }
 
-/// The stored form, without data that is computed from the points.
+/// The serialized form. `blocks` is computed from the points.
 #[derive(Serialize, Deserialize)]
 struct Stored {
     points: Vec<Vec2>,
@@ -90,7 +90,7 @@ impl Terrain {
         (edge < self.len()).then_some(edge)
     }
 
-    /// Returns the shape of an edge.
+    /// Returns the shape of edge `edge`.
     pub(crate) fn shape(&self, edge: usize) -> Geometry {
         Geometry::from(&Shape::Edge(self.points[edge], self.points[edge + 1]))
     }

@@ -23,7 +23,7 @@ impl Box2d {
         position_iterations: u32,
     ) {
         self.begin(island, dt, velocity_iterations, position_iterations);
-        island.sweep();
+        island.solve_velocities();
         self.finish(island);
     }
 }
@@ -95,8 +95,8 @@ fn chain() -> Box2d {
     world
 }
 
-/// Terrain uses little memory, and bodies move on it as on static bodies with edges, including ray
-/// casts, snapshots and impacts.
+/// Terrain uses little memory. Bodies, ray casts, snapshots and impacts are the same as with one
+/// static body per edge.
 #[test]
 fn terrain_is_as_many_static_bodies() {
     let points: Vec<Vec2> = (0..60)
@@ -184,20 +184,20 @@ fn json(world: &Box2d) -> serde_json::Value {
 
 #[test]
 fn saved_sweeps_keep_the_bits() {
-    let (mut quick, mut plain) = (chain(), chain());
-    let [mut some_sweeps, mut every_sweep] = [(); 2].map(|()| Island::new());
-    every_sweep.plain = true;
+    let (mut quick, mut complete) = (chain(), chain());
+    let [mut some_sweeps, mut every_iteration] = [(); 2].map(|()| Island::new());
+    every_iteration.no_shortcut = true;
     for step in 0..600 {
         if step % 150 == 149 {
-            for world in [&mut quick, &mut plain] {
+            for world in [&mut quick, &mut complete] {
                 world
                     .body_mut(1)
                     .apply_impulse(v(step as f32 * 0.1, 30.0), v(0.3, 2.0));
             }
         }
         quick.step_in(&mut some_sweeps, 0.02, 180, 60);
-        plain.step_in(&mut every_sweep, 0.02, 180, 60);
-        assert!(json(&quick) == json(&plain), "step {step}");
+        complete.step_in(&mut every_iteration, 0.02, 180, 60);
+        assert!(json(&quick) == json(&complete), "step {step}");
     }
 }
 
@@ -234,7 +234,7 @@ fn falling_pair(height: f32) -> Box2d {
     world
 }
 
-/// Some worlds sleep while others fall; one world differs from the others; all wake again.
+/// Some worlds sleep while others fall; one world has other bodies than the others; all wake again.
 #[test]
 fn worlds_that_sleep_and_wake_keep_their_bits_in_lanes() {
     let worlds = || -> Vec<Box2d> {
@@ -271,7 +271,7 @@ fn worlds_that_sleep_and_wake_keep_their_bits_in_lanes() {
                 .iter_mut()
                 .map(|world| lanes.begin(world, 0.02, 40, 20))
                 .collect();
-            lanes.sweep();
+            lanes.solve_velocities();
             together
                 .iter_mut()
                 .zip(places)
@@ -562,7 +562,7 @@ fn a_pile_falls_as_box2ds() {
     assert_eq!(done, 300);
 }
 
-/// Steps the world from step `done` to `step`; there the bodies must have the recorded position,
+/// Steps the world from step `done` to `step`, then compares the bodies with `expected`: position,
 /// angle, velocity and angular velocity.
 fn move_as_recorded(
     world: &mut Box2d,
@@ -590,8 +590,9 @@ fn move_as_recorded(
     }
 }
 
-/// Bodies bounce in slots more often than a step allows, pass through their walls, or are wedged in
-/// and never sleep. Recorded by `tests/reference/tight.py`.
+/// Bodies bounce between walls more often than [`MAX_SUB_STEPS`](super::settings::MAX_SUB_STEPS)
+/// allows, pass through walls, or are wedged in and never sleep. Recorded by
+/// `tests/reference/tight.py`.
 #[test]
 fn bodies_in_tight_places_move_as_box2ds() {
     let mut world = Box2d::new(v(0.0, -10.0));

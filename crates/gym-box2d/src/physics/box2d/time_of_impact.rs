@@ -18,7 +18,7 @@ pub(crate) struct Moving<'a> {
     pub(crate) sweep: Sweep,
 }
 
-/// The accepted error of the hulls' distance, relative to the [target].
+/// The accepted difference of the hulls' distance from the [target].
 pub(crate) const TOLERANCE: f32 = 0.25 * LINEAR_SLOP;
 
 /// Returns the distance of the hulls at which two shapes count as touching.
@@ -120,7 +120,7 @@ enum Kind {
     FaceB,
 }
 
-/// The vertices of A and B whose separation is measured.
+/// The indices of the vertices of A and B whose separation is measured.
 #[derive(Clone, Copy)]
 struct Witness {
     a: usize,
@@ -128,7 +128,7 @@ struct Witness {
 }
 
 impl<'a> Separation<'a> {
-    /// Makes the separation from the closest features at the given poses.
+    /// Makes the separation from the closest features in `cache`, at the poses `xf_a` and `xf_b`.
     fn new(cache: &Cache, a: &'a Moving<'a>, xf_a: &Pose, b: &'a Moving<'a>, xf_b: &Pose) -> Self {
         let point_a = |i: usize| a.shape.vertices()[cache.index_a[i]];
         let point_b = |i: usize| b.shape.vertices()[cache.index_b[i]];
@@ -165,7 +165,7 @@ impl<'a> Separation<'a> {
         }
     }
 
-    /// Returns the deepest vertices at time `t`, and their separation.
+    /// Returns the vertices with the least separation at time `t`, and their separation.
     fn deepest(&self, t: f32) -> (Witness, f32) {
         let (xf_a, xf_b) = (self.a.sweep.pose(t), self.b.sweep.pose(t));
         let (va, vb) = (self.a.shape.vertices(), self.b.shape.vertices());

@@ -12,8 +12,8 @@ fn has<T>(arena: &Arena<T>, slots: &[u32]) -> bool {
 }
 
 impl Box2d {
-    /// Whether the fixture `id` of an edge of the terrain has the edge's shape and place, and a
-    /// contact that needs it.
+    /// Whether the fixture `id` has the shape and the body of its terrain edge, and a contact. True
+    /// for every fixture outside the terrain.
     fn is_of_terrain_rightly(&self, id: u32) -> bool {
         let terrain = &self.broad_phase.terrain;
         let fixture = &self.fixtures[id];
@@ -61,8 +61,7 @@ impl Box2d {
                 && body.dynamic == self.dynamic.contains(&id)
         });
         let fixtures = self.fixtures.iter().all(|(id, fixture)| {
-            // every list of fixtures ends: each leads to older fixtures, and no two lead to the
-            // same one
+            // every list of fixtures ends: at most one fixture has `id` as its `next`
             has(&self.bodies, &[fixture.body])
                 && has(&self.fixtures, fixture.next.as_slice())
                 && self

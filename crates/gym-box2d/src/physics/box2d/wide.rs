@@ -1,17 +1,17 @@
-//! Numbers of many worlds side by side, one world in each lane of vector registers.
+//! Vectors of `f32` with one world in each lane.
 //!
 //! Each operation rounds like the same operation on one `f32`. Every function called under
-//! `fearless_simd` is `#[inline(always)]`: otherwise it is compiled without the CPU's vector
-//! instructions.
+//! `fearless_simd` is `#[inline(always)]`: otherwise the compiler would not use the CPU's vector
+//! instructions in the function.
 
 use std::ops::{Add, BitAnd, BitOr, Mul, Neg, Not, Sub};
 
 use fearless_simd::prelude::*;
 
-/// The number of worlds that are solved at once.
+/// The largest number of worlds that are solved together.
 pub(crate) const LANES: usize = 32;
 
-/// One number of each world.
+/// The value of one variable in every world, one world per lane.
 #[derive(Clone, Copy, Debug)]
 #[repr(align(64))]
 pub(super) struct Row(pub(super) [f32; LANES]);
@@ -19,29 +19,29 @@ pub(super) struct Row(pub(super) [f32; LANES]);
 impl Row {
     pub(super) const ZERO: Self = Self([0.0; LANES]);
 
-    /// Copies the first number to the lanes from `len` on.
+    /// Copies lane 0 to the lanes from `len` on.
     pub(super) fn pad(&mut self, len: usize) {
         let first = self.0[0];
         self.0[len..].fill(first);
     }
 }
 
-/// The numbers of `R` registers. With two registers, the CPU works on one while the other waits for
-/// a result.
+/// The values in `R` registers. With two registers, the CPU works on one register while the other
+/// waits for a result.
 #[derive(Clone, Copy)]
 pub(super) struct Wide<S: Simd, const R: usize>([S::f32s; R]);
 
 #[derive(Clone, Copy)]
 pub(super) struct Mask<S: Simd, const R: usize>([S::mask32s; R]);
 
-/// A strip of lanes: those of `R` registers, starting at `at`.
+/// The lanes that fit into `R` registers, from lane `at` on.
 #[derive(Clone, Copy)]
-pub(super) struct Strip<S: Simd, const R: usize> {
+pub(super) struct Chunk<S: Simd, const R: usize> {
     pub(super) simd: S,
     pub(super) at: usize,
 }
 
-impl<S: Simd, const R: usize> Strip<S, R> {
+impl<S: Simd, const R: usize> Chunk<S, R> {
     #[inline(always)]
     pub(super) fn same(self, x: f32) -> Wide<S, R> {
         Wide([S::f32s::splat(self.simd, x); R])
@@ -231,7 +231,7 @@ impl<S: Simd, const R: usize> Pair<S, R> {
         }
     }
 
-    /// Returns the velocity of a point at this lever due to the angular velocity `w`:
+    /// Returns the velocity, due to the angular velocity `w`, of a point at this lever arm:
     /// [`math::cross_scalar`](super::math::cross_scalar).
     #[inline(always)]
     pub(super) fn turned_by(self, w: Wide<S, R>) -> Self {
@@ -241,7 +241,7 @@ impl<S: Simd, const R: usize> Pair<S, R> {
         }
     }
 
-    /// Returns the vector, a quarter turn clockwise.
+    /// Returns the vector, turned clockwise by 90°: [`math::cross_one`](super::math::cross_one).
     #[inline(always)]
     pub(super) fn cross_one(self) -> Self {
         Self {
@@ -300,7 +300,7 @@ macro_rules! rows {
             pub(in crate::physics::box2d) const ZERO: Self =
                 Self { $($field: $crate::physics::box2d::wide::Row::ZERO,)+ };
 
-            /// Copies the first lane to the lanes from `len` on.
+            /// Copies lane 0 to the lanes from `len` on.
             pub(in crate::physics::box2d) fn pad(&mut self, len: usize) {
                 $(self.$field.pad(len);)+
             }

@@ -1,9 +1,10 @@
-//! The step of an environment whose worlds step together, and the arrays that it reads afterwards.
+//! The step of environments whose worlds step together, and the arrays that an environment reads
+//! after a step.
 
-use super::{Arrays, Row, drives};
+use super::{Arrays, Row, actuators};
 use crate::{Data, Model};
 
-/// A step of an environment whose worlds step together.
+/// The kind of step of environments whose worlds step together.
 #[derive(Clone, Debug)]
 pub struct Stride {
     /// The number of timesteps per step of the environment.
@@ -16,7 +17,7 @@ pub struct Stride {
 }
 
 impl Stride {
-    /// How many numbers at the front of `sensordata` the environment reads.
+    /// Returns how many numbers at the front of `sensordata` the environment reads.
     pub(super) fn sensors(&self) -> usize {
         let numbers = self.reads.iter().map(|array| match array {
             Derived::Sensors(numbers) => *numbers,
@@ -61,7 +62,7 @@ pub enum Derived {
 }
 
 impl Derived {
-    /// The number of elements of the array.
+    /// Returns the number of elements of the array.
     pub(super) fn len(self, m: &Model) -> usize {
         match self {
             Self::Xpos | Self::Xipos => 3 * m.nbody(),
@@ -118,7 +119,7 @@ impl Derived {
     /// Whether worlds that step together compute this array for the model.
     pub(crate) fn is_known(self, m: &Model) -> bool {
         match self {
-            Self::TenLength | Self::TenVelocity => drives::shows(m),
+            Self::TenLength | Self::TenVelocity => actuators::can_measure_tendons(m),
             _ => true,
         }
     }

@@ -1,13 +1,13 @@
-//! Which models and processors can step several worlds together.
+//! Tests whether a model and a CPU can step several worlds together.
 
 use fearless_simd::Level;
 
-use super::{Stride, drives, sensors};
+use super::{Stride, actuators, sensors};
 use crate::Model;
 use crate::model::{Integrator, JointType, Solver};
 
-/// The number of worlds that a vector register holds. `None` if the CPU has no fused multiply-add,
-/// or its registers hold fewer than four numbers.
+/// Returns the number of worlds per vector register. Returns `None` if the CPU has no fused
+/// multiply-add or fewer than four numbers per register.
 pub(crate) fn width(level: Level) -> Option<usize> {
     #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
     {
@@ -22,9 +22,9 @@ pub(crate) fn width(level: Level) -> Option<usize> {
     None
 }
 
-/// Whether worlds of this model can step together. The lane stages support one tree of slides and
-/// hinges, optionally on a free joint, motors and servos on joints and fixed tendons, limits, and
-/// contacts with pyramidal cones.
+/// Whether worlds of this model can step together. The stages of this module support one tree of
+/// slides and hinges, optionally on a free joint, motors and servos on joints and fixed tendons,
+/// limits, and contacts with pyramidal cones.
 pub(crate) fn fits(m: &Model, stride: &Stride) -> bool {
     let plan = m.plan();
     let joints = (0..m.njnt()).all(|j| match m.jnt_type[j] {
@@ -45,8 +45,8 @@ pub(crate) fn fits(m: &Model, stride: &Stride) -> bool {
         && (stride.settles || !plan.measures)
         && sensors::fit(m, stride.sensors())
         && !plan.gravcomp
-        && drives::fit(m)
-        && plan.laws.tendon_limits.is_empty()
+        && actuators::fit(m)
+        && plan.constraints.tendon_limits.is_empty()
         && plan.boxes.iter().all(|(_, edges)| edges.is_some())
         && plan
             .pairs

@@ -1,18 +1,18 @@
-//! Worlds of one model side by side, one in each lane of vector registers.
+//! Steps many worlds of one model together, one world in each lane of the vector registers.
 //!
-//! The smooth stages run for all worlds at once. Each world gets the same bits as when it steps
-//! alone. Every function called under `vectorize` is `#[inline(always)]`: otherwise it is compiled
-//! without the CPU's vector instructions.
+//! The smooth stages run for all worlds at once. Each world has the same bits as a world that steps
+//! alone. Every function called under `vectorize` is `#[inline(always)]`: otherwise the compiler
+//! would not use the CPU's vector instructions in the function.
 
 #![expect(
     clippy::needless_range_loop,
     reason = "indices are those of the formulas"
 )]
 
-mod alone;
+mod actuators;
 mod derived;
-mod drives;
 mod fits;
+mod gauss_seidel;
 mod newton;
 mod rows;
 mod sensors;
@@ -22,9 +22,9 @@ mod tree;
 use fearless_simd::{Level, Simd};
 use gym_core::math::{Lanes, Real};
 
-use self::alone::Alone;
 pub use self::derived::{Derived, Stride};
 pub(crate) use self::fits::{fits, width};
+use self::gauss_seidel::GaussSeidel;
 use self::newton::Newton;
 use self::rows::{Rows, worlds};
 use super::MAXVAL;
@@ -34,10 +34,10 @@ use super::post_constraint::push_apart;
 use crate::Model;
 use crate::model::{Integrator, Solver};
 
-/// The largest number of worlds that are stepped at once.
+/// The largest number of worlds that step together.
 pub(crate) const WORLDS: usize = 8;
 
-/// One number for each world.
+/// The value of one variable in every world, one world per lane.
 #[derive(Clone, Copy, Debug)]
 #[repr(align(64))]
 pub(crate) struct Row(pub(crate) [f64; WORLDS]);
@@ -52,7 +52,7 @@ impl Default for Row {
     }
 }
 
-/// A vector register of worlds: the SIMD token, and the index of its first world.
+/// A register: the SIMD token, and the index of the world in the register's first lane.
 type Place<S> = (S, usize);
 
 impl<S: Simd> Number for Lanes<S> {
@@ -124,7 +124,7 @@ impl<S: Simd> Number for Lanes<S> {
     }
 }
 
-/// Loads the numbers of the worlds in the register at `place`.
+/// Loads the values of the worlds in the register.
 #[inline(always)]
 fn load<S: Simd>((simd, at): Place<S>, row: &Row) -> Lanes<S> {
     // the mask keeps `at` within the row, so the compiler drops the bounds check
@@ -204,11 +204,11 @@ arrays! {
     qacc: Row = (Row::ZERO, |m| m.nv()),
     cfrc_ext: [Row; 6] = ([Row::ZERO; 6], |m| m.nbody()),
     fluid: Row = (Row::ZERO, |m| m.nv()),
-    ten_length: Row = (Row::ZERO, |m| if drives::shows(m) { m.ntendon() } else { 0 }),
-    ten_velocity: Row = (Row::ZERO, |m| if drives::shows(m) { m.ntendon() } else { 0 }),
+    ten_length: Row = (Row::ZERO, |m| if actuators::can_measure_tendons(m) { m.ntendon() } else { 0 }),
+    ten_velocity: Row = (Row::ZERO, |m| if actuators::can_measure_tendons(m) { m.ntendon() } else { 0 }),
     sensordata: Row = (Row::ZERO, |m| m.nsensordata()),
     // controls of actuators whose forces also follow from positions
-    input: Row = (Row::ZERO, |m| drives::inputs(m)),
+    input: Row = (Row::ZERO, |m| actuators::inputs(m)),
     // buffers of the integrators
     acc_sum: Row = (Row::ZERO, |m| m.nv()),
     vel_sum: Row = (Row::ZERO, |m| m.nv()),
@@ -235,40 +235,40 @@ pub(crate) struct Worlds {
     rows: Rows,
     newton: Newton,
     /// The solver of models that use projected Gauss-Seidel.
-    alone: Option<Alone>,
-    /// Whether a step ends with the frames of the new state, and how many numbers of `sensordata`
-    /// it computes.
+    gauss_seidel: Option<GaussSeidel>,
+    /// [`Stride::settles`], and the number of elements of `sensordata` that a step computes.
     settles: bool,
     sensors: usize,
     /// Whether the task reads frames of geoms or sites.
     shows: bool,
     /// A buffer: the contact forces on the bodies of one world.
     cfrc_ext: Vec<[f64; 6]>,
-    /// A bit for each world: set if the world diverged.
+    /// A bit for each world: 1 if the world diverged.
     diverged: u64,
 }
 
-/// The length of a world's state: `qpos`, `qvel` and `qacc_warmstart`.
+/// Returns the length of a world's state: `qpos`, `qvel` and `qacc_warmstart`.
 pub(crate) fn state_len(m: &Model) -> usize {
     m.nq() + 2 * m.nv()
 }
 
-/// The length of a world's record, which holds the input of a step before it and the output
-/// afterwards. Input: state, actuator forces, poses of mocap bodies, controls. Output: state, the
-/// state at the start of the last timestep, and the derived arrays that the task reads.
+/// Returns the length of a world's record: the input of a step, which the step replaces by the
+/// output. Input: state, actuator forces, poses of mocap bodies, controls. Output: state, the state
+/// at the start of the last timestep, and the derived arrays that the task reads.
 pub(crate) fn record_len(m: &Model, reads: &[Derived]) -> usize {
     let derived: usize = reads.iter().map(|array| array.len(m)).sum();
-    let brings = state_len(m) + m.nv() + 7 * m.nmocap() + drives::inputs(m);
-    brings.max(2 * state_len(m) + derived)
+    let input = state_len(m) + m.nv() + 7 * m.nmocap() + actuators::inputs(m);
+    input.max(2 * state_len(m) + derived)
 }
 
-/// The largest record of a precomputed step that `Data` keeps; the last number is a time.
+/// Returns the length of the longest record of a precomputed step in `Data`. The last number is the
+/// time.
 pub(crate) fn most_len(m: &Model) -> usize {
     record_len(m, &Derived::ALL) + 2 * m.ntendon() + m.nsensordata() + 1
 }
 
 impl Worlds {
-    /// Allocates worlds that take steps of the kind `stride`.
+    /// Allocates worlds whose steps are of the kind `stride`.
     pub(crate) fn new(m: &Model, stride: &Stride) -> Self {
         let sensors = stride.sensors();
         let keeps = stride.reads.contains(&Derived::CfrcExt) || sensors::touch(m, sensors);
@@ -284,7 +284,7 @@ impl Worlds {
                 )
             }),
             newton: Newton::new(m),
-            alone: (m.opt.solver == Solver::PGS).then(|| Alone::new(m)),
+            gauss_seidel: (m.opt.solver == Solver::PGS).then(|| GaussSeidel::new(m)),
             cfrc_ext: vec![[0.0; 6]; m.nbody()],
             diverged: 0,
         }
@@ -329,15 +329,15 @@ impl Worlds {
         self.diverged >> world & 1 == 0
     }
 
-    /// The number of constraint rows of a world in its last timestep.
+    /// Returns the number of constraint rows of world `world` in the last timestep.
     pub(crate) fn rows(&self, world: usize) -> usize {
         self.rows.count[world]
     }
 
-    /// The forces of the constraint rows, from the solver in use.
+    /// Returns the forces of the constraint rows.
     fn forces_of_rows(&self) -> &[Row] {
-        match &self.alone {
-            Some(alone) => &alone.force,
+        match &self.gauss_seidel {
+            Some(gauss_seidel) => &gauss_seidel.force,
             None => self.newton.forces(),
         }
     }
@@ -368,7 +368,7 @@ impl Worlds {
     }
 
     /// Advances the first `len` worlds, which were [gathered](Self::gather), by `steps` timesteps.
-    /// Returns false if the CPU's registers are too short.
+    /// Returns false if [`width`](fits::width) is `None` for `level`.
     pub(crate) fn step(&mut self, m: &Model, level: Level, len: usize, steps: usize) -> bool {
         #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
         {
@@ -390,7 +390,7 @@ impl Worlds {
         self.diverged = 0;
         for first in (0..len).step_by(lanes) {
             let (at, live) = ((simd, first), u64::MAX >> (64 - (len - first).min(lanes)));
-            // lanes without a world repeat the last world
+            // lanes without a world get a copy of the last world
             for world in len..first + lanes {
                 let a = &mut self.arrays;
                 let rows = [&mut a.qpos, &mut a.qvel, &mut a.warm, &mut a.qfrc_actuator];
@@ -399,7 +399,7 @@ impl Worlds {
                 }
             }
             for step in 1..=steps {
-                // a task reads the frames of the last timestep, or `settle` replaces them
+                // compute all frames in the last timestep, unless `settle` computes them again
                 let whole = self.shows && !self.settles && step == steps;
                 self.one_step(m, at, live, whole);
             }
@@ -419,8 +419,8 @@ impl Worlds {
         }
     }
 
-    /// Advances the worlds in the register by one timestep. If `whole` is false, frames that no
-    /// stage reads keep their old values.
+    /// Advances the worlds in the register by one timestep. `live` has a bit for each world. If
+    /// `whole` is false, frames that no stage reads keep their old values.
     fn one_step<S: Simd>(&mut self, m: &Model, at: Place<S>, live: u64, whole: bool) {
         let simd = at.0;
         simd.vectorize(
@@ -472,7 +472,7 @@ impl Worlds {
         copy(at, &a.warm, &mut a.warm_before);
     }
 
-    /// Runs all stages of a forward call.
+    /// Runs all stages of [`forward`](crate::forward).
     fn evaluate<S: Simd>(&mut self, m: &Model, at: Place<S>, live: u64, whole: bool) {
         let simd = at.0;
         simd.vectorize(
@@ -491,7 +491,7 @@ impl Worlds {
             arrays,
             rows,
             newton,
-            alone,
+            gauss_seidel,
             ..
         } = self;
         simd.vectorize(
@@ -502,9 +502,9 @@ impl Worlds {
             },
         );
         if rows.used > 0
-            && let Some(alone) = alone
+            && let Some(gauss_seidel) = gauss_seidel
         {
-            alone.solve(m, at, arrays, rows);
+            gauss_seidel.solve(m, at, arrays, rows);
         } else if rows.used > 0 {
             newton.solve(m, at, arrays, rows, live);
         } else {
@@ -520,13 +520,13 @@ impl Worlds {
         }
     }
 
-    /// Runs a stage of the Runge-Kutta method: adds the rates of the last evaluation to the sums,
-    /// and moves to the next stage.
+    /// Ends stage `stage` of the Runge-Kutta method: adds the rates of the stage to the sums, and
+    /// moves the state to the next stage.
     #[inline(always)]
     fn stage<S: Simd>(&mut self, m: &Model, at: Place<S>, stage: usize) {
         let a = &mut self.arrays;
         let (dt, weight, part) = (m.opt.timestep, WEIGHTS[stage], PARTS[stage]);
-        // the time from the start to this stage
+        // the time from the start of the timestep to stage `stage`
         let way = if stage == 0 {
             0.0
         } else {
@@ -588,8 +588,8 @@ impl Worlds {
     }
 }
 
-/// A bit for each world in the register, lowest first: set if one of its `numbers` is not finite or
-/// exceeds `MAXVAL`.
+/// Returns a bit for each world in the register, from the lowest bit: 1 if one of the world's
+/// `numbers` is not finite or exceeds `MAXVAL`.
 #[inline(always)]
 fn beyond<S: Simd>(at: Place<S>, numbers: &[Row]) -> u64 {
     let most = same::<S>(at, MAXVAL);
@@ -600,7 +600,7 @@ fn beyond<S: Simd>(at: Place<S>, numbers: &[Row]) -> u64 {
     !Lanes::<S>::bits(good) & (u64::MAX >> (64 - <Lanes<S> as Real>::LANES))
 }
 
-/// Copies the numbers of the worlds in the register.
+/// Copies the values of the worlds in the register.
 #[inline(always)]
 fn copy<S: Simd>(at: Place<S>, from: &[Row], to: &mut [Row]) {
     for (to, from) in to.iter_mut().zip(from) {

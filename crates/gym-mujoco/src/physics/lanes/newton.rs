@@ -1,8 +1,9 @@
 //! Newton's method for several worlds at once: [`newton`](crate::physics::solver::newton), for
-//! models with one tree whose rows only push (limits, pyramidal contacts).
+//! models with one tree whose only constraints are limits and pyramidal contacts. Such rows only
+//! push.
 //!
-//! All worlds iterate together. A world that has converged keeps its accelerations; the quantities
-//! derived from them are recomputed with the same result.
+//! All worlds iterate together. A world that has converged keeps its accelerations. Quantities
+//! derived from the accelerations are computed again, with the same result.
 
 mod search;
 
@@ -19,7 +20,7 @@ use crate::{Model, Revision};
 
 type Mask<S> = <Lanes<S> as Real>::Mask;
 
-/// Buffers of the method.
+/// The buffers of the method.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Newton {
     acc: Vec<Row>,
@@ -33,19 +34,19 @@ pub(super) struct Newton {
     jar: Vec<Row>,
     jv: Vec<Row>,
     force: Vec<Row>,
-    /// 1 for each row that pushes, 0 for the others.
+    /// 1 for each row that pushes (its residual `jar` is negative), 0 for the others.
     pushes: Vec<Row>,
-    /// The cost of each row along the search direction: three coefficients of the polynomial in the
-    /// step length, then the cost at the start.
+    /// For each row, the cost along the search direction: three coefficients of a polynomial in the
+    /// step length, and the cost at step length 0.
     costs: Vec<[Row; 4]>,
     hessian: Vec<Row>,
-    /// The Hessians of worlds whose factor is rebuilt.
+    /// The Hessians of worlds whose factors are computed again.
     again: Vec<Row>,
     /// The Jacobians of the rows that push, times the stiffness of each row; `pushing` has the
     /// indices of these rows.
     pushed: Vec<Row>,
     pushing: Vec<usize>,
-    /// For each world: the rows that began or ceased to push.
+    /// For each world, the rows that began or ceased to push in this iteration.
     changed: [Vec<usize>; WORLDS],
     line: Vec<line_search::Row>,
 }
@@ -78,7 +79,7 @@ macro_rules! by_four {
     };
 }
 
-/// Elements `first..first + K` of a sum of vectors, each times its factor.
+/// Returns elements `first..first + K` of the sum of all vectors, each times its factor.
 #[inline(always)]
 fn sums<'a, S: Simd, const K: usize>(
     at: Place<S>,
@@ -98,7 +99,7 @@ fn sums<'a, S: Simd, const K: usize>(
     sums
 }
 
-/// The results of a line search: the step lengths, and the improvements of the cost.
+/// The result of a line search: for each world, the step length and the improvement of the cost.
 type Found = [Row; 2];
 
 impl Newton {
@@ -132,7 +133,7 @@ impl Newton {
         }
     }
 
-    /// The forces of the constraint rows.
+    /// Returns the forces of the constraint rows.
     pub(super) fn forces(&self) -> &[Row] {
         &self.force
     }
@@ -172,8 +173,8 @@ impl Newton {
         );
     }
 
-    /// Starts at the last step's accelerations, or at those without constraints if their cost is
-    /// lower.
+    /// Starts at the last step's accelerations, or at the accelerations without constraints if
+    /// these have a lower cost.
     #[inline(always)]
     fn start<S: Simd>(&mut self, m: &Model, at: Place<S>, a: &Arrays, rows: &Rows) {
         let (n, zero) = (m.nv(), same::<S>(at, 0.0));
@@ -283,7 +284,7 @@ impl Newton {
         }
     }
 
-    /// Computes the row forces, the resulting joint forces, and the gradient.
+    /// Computes the forces of the rows, the resulting forces on the joints, and the gradient.
     #[inline(always)]
     fn update<S: Simd>(&mut self, m: &Model, at: Place<S>, a: &Arrays, rows: &Rows) {
         let (n, zero) = (m.nv(), same::<S>(at, 0.0));
@@ -305,7 +306,7 @@ impl Newton {
         });
     }
 
-    /// Half of the cost reduction that a full Newton step predicts.
+    /// Returns the scaled reduction of the cost that a full Newton step predicts.
     #[inline(always)]
     fn decrement<S: Simd>(&self, at: Place<S>, scale: Lanes<S>) -> Lanes<S> {
         let x = scale * 0.5 * dot(at, &self.grad, &self.mgrad);
@@ -313,8 +314,8 @@ impl Newton {
         Lanes::select(x.gt(zero), x, zero)
     }
 
-    /// Stops worlds whose gradient is flat or whose last improvement was small. Returns whether any
-    /// world continues.
+    /// Stops worlds with a small gradient or a small last improvement. Returns whether any world
+    /// continues.
     #[inline(always)]
     fn check<S: Simd>(
         &mut self,
@@ -333,7 +334,8 @@ impl Newton {
             level | (zero.lt(improvement) & improvement.lt(tolerance))
         } else {
             if Lanes::<S>::any(active & level) {
-                // half of the gradient's square bounds the improvement that is still possible
+                // half of the gradient's square, in the norm of `M^-1`, bounds the possible
+                // improvement
                 self.mgrad.copy_from_slice(&self.grad);
                 solve(m, at, &a.qld, &a.qld_diag_inv, &mut self.mgrad);
             }
@@ -344,8 +346,8 @@ impl Newton {
         control.keep(at, Lanes::<S>::but_not(active, stop))
     }
 
-    /// Computes the search direction, and stops worlds whose predicted improvement is small.
-    /// Returns whether any world continues.
+    /// Computes the search direction. Stops worlds with a small predicted improvement. Returns
+    /// whether any world continues.
     #[inline(always)]
     fn direction<S: Simd>(&mut self, m: &Model, at: Place<S>, control: &mut Control) -> bool {
         let n = m.nv();
@@ -367,7 +369,7 @@ impl Newton {
         control.keep(at, Lanes::<S>::but_not(active, small))
     }
 
-    /// Builds and factors the Hessian of the cost: for the worlds in `which`, or for all.
+    /// Builds and factors the Hessian of the cost: for the worlds in `which`, or for all worlds.
     #[inline(always)]
     fn make_hessian<S: Simd>(
         &mut self,
@@ -411,7 +413,7 @@ impl Newton {
                 }
             });
         }
-        // the inertia matrix is added last
+        // as in MuJoCo, add the inertia matrix last
         for dof in 0..n {
             let row = plan.m_row(dof);
             for (&column, value) in plan.m_colind[row.clone()].iter().zip(&a.qm[row]) {
@@ -462,7 +464,7 @@ impl Newton {
             }
         }
         let mut indefinite = zero.lt(zero);
-        // the first change of every world, then the second, and so on
+        // in each round, update every world for its next changed row
         for round in 0..most {
             let (mut which, mut adds) = (Row::ZERO, Row::ZERO);
             for world in first..first + Lanes::<S>::LANES {
@@ -522,13 +524,13 @@ impl Newton {
     }
 }
 
-/// The progress of the iteration.
+/// The state of the iteration.
 #[derive(Clone, Copy, Debug, Default)]
 struct Control {
     iteration: usize,
     /// 1 for each world that continues, 0 for the others.
     active: Row,
-    /// 1 for each world whose gradient was flat at the start.
+    /// 1 for each world whose gradient was small at the start.
     level: Row,
     scale: Row,
     improvement: Row,

@@ -1,5 +1,5 @@
-//! Constraint rows of several worlds. Each world has its own number of rows. They come first in the
-//! arrays; the elements after them are zero.
+//! Constraint rows of several worlds. In each lane, the world's rows come first in the arrays; the
+//! elements after the world's last row are zero.
 //!
 //! Limits, bounding spheres and contacts with planes are computed for all worlds at once. Other
 //! contacts are rare, and are computed world by world.
@@ -21,7 +21,7 @@ use crate::{Contact, Model};
 pub(super) struct Rows {
     /// The Jacobians, `nv` numbers for each row.
     pub(super) jac: Vec<Row>,
-    /// The stiffness of each row: MuJoCo's `efc_D`.
+    /// The stiffness of each row: MuJoCo's `efc_D` (inverse constraint mass).
     pub(super) d: Vec<Row>,
     /// The regularisation of each row: `1 / d`.
     pub(super) r: Vec<Row>,
@@ -33,16 +33,17 @@ pub(super) struct Rows {
     pub(super) count: [usize; WORLDS],
     /// The largest element of `count`.
     pub(super) used: usize,
-    /// The active contacts of each world. Contacts with planes are listed only if `keeps` is set.
+    /// The active contacts of each world. Contacts with planes are listed only if `keeps` is true.
     pub(super) contacts: [Vec<Contact>; WORLDS],
-    /// Whether the contact forces are read after a step.
+    /// Whether the environment reads contact forces after a step.
     keeps: bool,
     polytope: Polytope,
-    /// A buffer: each degree of freedom that a contact moves, with its column of the Jacobian.
+    /// A buffer: the degrees of freedom that move a contact, each with its column of the contact's
+    /// Jacobian.
     moved: Vec<(usize, [Row; 4])>,
 }
 
-/// The worlds of the bits that are set in `bits`; bit 0 is world `first`.
+/// Iterates over the worlds whose bits are set in `bits`. Bit 0 is world `first`.
 #[inline(always)]
 pub(super) fn worlds(mut bits: u64, first: usize) -> impl Iterator<Item = usize> {
     std::iter::from_fn(
@@ -56,7 +57,7 @@ pub(super) fn worlds(mut bits: u64, first: usize) -> impl Iterator<Item = usize>
 }
 
 impl Rows {
-    /// Allocates the rows. `keeps` tells whether the contact forces are read after a step.
+    /// Allocates the rows. `keeps` is true if the environment reads contact forces after a step.
     pub(super) fn new(m: &Model, keeps: bool) -> Self {
         let (bounds, nv) = (m.plan().bounds(), m.nv());
         let mut buffers = Self {
@@ -177,7 +178,7 @@ impl Rows {
         row
     }
 
-    /// Adds the rows of a contact to a world, and returns the index of the first.
+    /// Adds the rows of a contact to a world, and returns the index of the first row.
     #[inline(always)]
     fn open_contact(&mut self, nv: usize, pair: &Pair, dist: f64, world: usize) -> usize {
         let first = self.count[world];
@@ -205,8 +206,8 @@ impl Rows {
         self.damping[row].0[world] = damping;
     }
 
-    /// Adds the contacts of a plane with a sphere or capsule, and their rows, in the worlds where
-    /// the two are near.
+    /// Adds the contacts of a plane with a sphere or capsule, and the contacts' rows, in the worlds
+    /// in which the geoms are near each other.
     #[inline(always)]
     fn touch_plane<S: Simd>(
         &mut self,
@@ -245,7 +246,8 @@ impl Rows {
         );
         let mut near = near;
         if pair.boxed {
-            // contacts of boxes that touch only up to rounding may be dropped
+            // MuJoCo's middle phase (see `Pair::boxed`) may drop a contact that touches only within
+            // rounding errors: such worlds use the code for one world
             let mut shallow = 0;
             for end in ends {
                 let (dist, _) = end_above_plane(*end);
@@ -309,8 +311,8 @@ impl Rows {
         }
     }
 
-    /// Writes the Jacobian of a contact for the worlds in `left`. `rows` has the index of the
-    /// contact's first row in each world.
+    /// Writes the Jacobian of a contact for the worlds in `left`. `rows` has, for each world, the
+    /// index of the contact's first row.
     #[inline(always)]
     fn put_jacobian<S: Simd>(
         &mut self,
@@ -341,7 +343,7 @@ impl Rows {
         }
     }
 
-    /// Adds the contacts of a pair of geoms, and their rows, in one world.
+    /// Adds the contacts of the pair of geoms `index`, and the contacts' rows, to world `world`.
     #[inline(never)]
     fn touch(&mut self, m: &Model, a: &Arrays, index: usize, world: usize) {
         let (pair, nv) = (&m.plan().pairs[index], m.nv());
@@ -398,7 +400,7 @@ impl Rows {
         }
     }
 
-    /// `J x`, or `J x - minus` if `minus` is given.
+    /// Computes `J x`, or `J x - minus` if `minus` is given.
     #[inline(always)]
     pub(super) fn multiply<S: Simd>(
         &self,

@@ -15,12 +15,12 @@ use crate::physics::spatial::{
     MINVAL, add, rotate_back, rotation, scale, transform_motion, translation,
 };
 
-/// The sensors that write to the first `numbers` numbers of `sensordata`.
+/// Iterates over the sensors that write to the first `numbers` elements of `sensordata`.
 fn read(m: &Model, numbers: usize) -> impl Iterator<Item = usize> {
     (0..m.nsensor()).filter(move |&i| m.sensor_adr[i] < numbers)
 }
 
-/// Whether worlds that step together can compute the first `numbers` numbers of `sensordata`.
+/// Whether worlds that step together can compute the first `numbers` elements of `sensordata`.
 pub(super) fn fit(m: &Model, numbers: usize) -> bool {
     numbers <= m.nsensordata()
         && read(m, numbers).all(|i| {
@@ -33,7 +33,7 @@ pub(super) fn fit(m: &Model, numbers: usize) -> bool {
         })
 }
 
-/// Whether one of the sensors in the first `numbers` numbers is a touch sensor.
+/// Whether a touch sensor writes to the first `numbers` elements of `sensordata`.
 pub(super) fn touch(m: &Model, numbers: usize) -> bool {
     read(m, numbers).any(|i| m.sensor_type[i] == SensorType::Touch)
 }
@@ -43,7 +43,7 @@ impl Worlds {
     pub(super) fn settle<S: Simd>(&mut self, m: &Model, at: Place<S>, len: usize) {
         // touch sensors need the forces and contacts of the last timestep, and the frames of its
         // start
-        self.feel(m, at.1..len.min(at.1 + Lanes::<S>::LANES));
+        self.touch_sensors(m, at.1..len.min(at.1 + Lanes::<S>::LANES));
         let (simd, sensors, whole) = (at.0, self.sensors, self.shows);
         simd.vectorize(
             #[inline(always)]
@@ -62,7 +62,7 @@ impl Worlds {
     }
 
     /// Computes the touch sensors, world by world because each world has its own contacts.
-    fn feel(&mut self, m: &Model, worlds: Range<usize>) {
+    fn touch_sensors(&mut self, m: &Model, worlds: Range<usize>) {
         for i in read(m, self.sensors) {
             if m.sensor_type[i].stage() != Stage::Acceleration {
                 continue;
@@ -88,7 +88,8 @@ impl Worlds {
 }
 
 impl Arrays {
-    /// Computes the sensors of positions and velocities in the first `numbers` numbers.
+    /// Computes the sensors of positions and velocities in the first `numbers` elements of
+    /// `sensordata`.
     #[inline(always)]
     pub(super) fn measure<S: Simd>(&mut self, m: &Model, at: Place<S>, numbers: usize) {
         if read(m, numbers).any(|i| m.sensor_type[i] == SensorType::SubtreeLinVel) {
@@ -113,7 +114,7 @@ impl Arrays {
         }
     }
 
-    /// The angular and linear velocity of a body at a point.
+    /// Returns the angular velocity of a body, and its linear velocity at a point.
     #[inline(always)]
     fn velocity<S: Simd>(
         &self,
@@ -132,7 +133,7 @@ impl Arrays {
         )
     }
 
-    /// The velocity of a site, in its own axes.
+    /// Returns the angular and linear velocity of a site, in the site's axes.
     #[inline(always)]
     fn of_site<S: Simd>(&self, m: &Model, at: Place<S>, site: usize) -> [Lanes<S>; 6] {
         let body = m.site_bodyid[site];
@@ -147,7 +148,8 @@ impl Arrays {
         )
     }
 
-    /// Computes the velocities of the subtrees' centres of mass, in the buffer `force`.
+    /// Computes the velocities of the subtrees' centres of mass. The results are in the buffer
+    /// `force`.
     #[inline(always)]
     fn subtree_velocities<S: Simd>(&mut self, m: &Model, at: Place<S>) {
         for b in 0..m.nbody() {

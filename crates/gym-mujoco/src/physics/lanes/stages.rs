@@ -14,14 +14,14 @@ use crate::physics::velocity::{Bias, Motion, com_vel_of, rne_of};
 use crate::{Model, Revision};
 
 impl Arrays {
-    /// Computes frames and inertias.
+    /// Computes frames and inertias; `whole` as in [`frames`](Self::frames).
     #[inline(always)]
     pub(super) fn positions<S: Simd>(&mut self, m: &Model, at: Place<S>, whole: bool) {
         self.frames(m, at, whole);
         self.inertias(m, at);
     }
 
-    /// Computes frames. If `whole` is false, only those that later stages read.
+    /// Computes frames. If `whole` is false, computes only the frames that later stages read.
     #[inline(always)]
     pub(super) fn frames<S: Simd>(&mut self, m: &Model, at: Place<S>, whole: bool) {
         let frames = Frames {
@@ -150,7 +150,7 @@ impl Arrays {
             let force = spring_force(q, rest, m.jnt_stiffness[j]);
             store(at, &mut self.qfrc_passive[i], force);
         }
-        self.pull(m, at);
+        self.add_tendon_springs(m, at);
         for (i, force) in self.qfrc_passive.iter_mut().enumerate() {
             let damper = damper_force(at, load::<S>(at, &self.qvel[i]), plan.damping[i]);
             store(at, force, load::<S>(at, force) + damper);
@@ -177,15 +177,15 @@ impl Arrays {
         }
     }
 
-    /// Computes the rates of change of the positions since the start, from the velocities of a
-    /// Runge-Kutta stage.
+    /// Computes the rates of change of the positions from the velocities of a Runge-Kutta stage,
+    /// which is `way` seconds after the start of the timestep.
     #[inline(always)]
     pub(super) fn stage_rates<S: Simd>(&mut self, m: &Model, at: Place<S>, way: f64) {
         let first = at.1;
         let turns = m.revision == Revision::V4_0 && way != 0.0;
         let free = (0..m.njnt()).filter(|&j| turns && m.jnt_type[j] == JointType::Free);
-        // free joints read the rates of the stage before: compute their new rates first, store them
-        // last
+        // a free joint's new rates depend on the rates of the stage before: compute them before
+        // `rates` changes, store them at the end
         let mut turned = [[0.0; 3]; WORLDS];
         let v = free.map(|j| m.jnt_dofadr[j] + 3).next();
         if let Some(v) = v {

@@ -4,7 +4,7 @@ use super::*;
 use crate::tasks::{load as load_model, models};
 use crate::{Data, Revision, forward, step};
 
-/// The levels of this CPU with registers of several widths.
+/// Returns SIMD levels of this CPU with registers of several widths.
 pub(crate) fn levels() -> Vec<Level> {
     let level = Level::new();
     let mut levels = vec![level, Level::baseline()];
@@ -13,7 +13,7 @@ pub(crate) fn levels() -> Vec<Level> {
     levels
 }
 
-/// A step of two timesteps that leaves all arrays.
+/// Returns a step of two timesteps that computes all derived arrays.
 fn stride() -> Stride {
     Stride {
         steps: 2,
@@ -34,7 +34,7 @@ fn act(d: &mut Data, random: &mut impl FnMut() -> f64) {
     d.ctrl.iter_mut().for_each(|ctrl| *ctrl = random());
 }
 
-/// All built-in models in all revisions.
+/// Iterates over all built-in models in all revisions.
 fn all() -> impl Iterator<Item = (String, Arc<Model>)> {
     models().flat_map(|(name, _)| {
         Revision::ALL.map(|revision| {
@@ -46,7 +46,7 @@ fn all() -> impl Iterator<Item = (String, Arc<Model>)> {
     })
 }
 
-/// All numbers of a world.
+/// Asserts that arrays of a world have the same bits as in `Data`.
 macro_rules! same {
     ($worlds:ident, $world:ident, $data:ident, $what:expr, $($name:ident)+) => {$(
         for (rows, numbers) in $worlds.$name.iter().zip(&$data.$name) {
@@ -116,7 +116,7 @@ fn smooth_stages_have_the_bits_of_one_world() {
     }
 }
 
-/// Worlds take steps side by side and alone, from the same states. Some have no contacts, some
+/// From the same states, worlds take steps together and alone. Some worlds have no contacts, some
 /// fall, and one diverges.
 #[test]
 fn steps_have_the_bits_of_one_world() {
@@ -180,7 +180,8 @@ fn steps_have_the_bits_of_one_world() {
     assert!(stepped > 0 || width(Level::new()).is_none());
 }
 
-/// A model with all that worlds measure together: it falls, and touches the floor.
+/// A model with every sensor and tendon that worlds can measure together. Its body falls and
+/// touches the floor.
 const MEASURED: &str = r#"<mujoco>
   <option timestep="0.005"/>
   <default><motor ctrllimited="true" ctrlrange="-1 1" gear="2"/></default>
@@ -207,7 +208,8 @@ const MEASURED: &str = r#"<mujoco>
   </sensor>
 </mujoco>"#;
 
-/// A step ends with the first half of the next one: frames and sensors belong to the new state.
+/// With `settles`, a step ends with `step1` of the next step: frames and sensors belong to the new
+/// state.
 #[test]
 fn settled_steps_have_the_bits_of_one_world() {
     let mut touched = 0;
@@ -274,7 +276,7 @@ fn settled_steps_have_the_bits_of_one_world() {
                     crate::step1(&m, d);
                     let what = format!("{revision} {level:?}, world {world}, round {round}");
                     if !worlds.scatter(&m, world, &stride.reads, &mut record) {
-                        // a world that diverges steps by itself, and begins anew
+                        // a world that diverges takes this step alone, and restarts
                         assert!(d.time < 4.0 * m.opt.timestep, "{what}");
                         continue;
                     }

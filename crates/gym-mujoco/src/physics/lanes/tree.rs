@@ -13,9 +13,9 @@ use gym_core::math::{Lanes, Real};
 use super::{Place, Row, load, same, store};
 use crate::Model;
 
-/// The sum of `count` products in the order of [`dot`](crate::physics::dense::dot). The rest (the
-/// last one to three products) starts with its first product instead of zero: `dot`'s sums start at
-/// zero and are never -0, so the result is the same.
+/// Returns the sum of `count` products in the order of [`dot`](crate::physics::dense::dot). The sum
+/// of the last one to three products starts with the first product instead of zero. The result has
+/// the same bits, because the total of the other products starts at zero and is never -0.
 #[inline(always)]
 pub(super) fn sum<S: Simd>(
     at: Place<S>,
@@ -38,7 +38,7 @@ pub(super) fn sum<S: Simd>(
     total + rest
 }
 
-/// The scalar product of two vectors: [`sum`] over all elements.
+/// Returns the scalar product of two vectors, in the order of [`sum`].
 #[inline(always)]
 pub(super) fn dot<S: Simd>(at: Place<S>, a: &[Row], b: &[Row]) -> Lanes<S> {
     let ((a, a_rest), (b, b_rest)) = (a.as_chunks::<4>(), b.as_chunks::<4>());
@@ -100,7 +100,7 @@ pub(super) fn solve<S: Simd>(
     let x = &mut x[..n];
     for i in (1..n).rev() {
         let xi: Lanes<S> = load(at, &x[i]);
-        // lanes where `xi` is zero keep their value: subtracting zero would turn -0 into 0
+        // where `xi` is zero, keep the value: a subtraction of zero could turn -0 into 0
         let zero = xi.abs().le(xi.same(0.0));
         let row = plan.m_ancestors(i);
         for (&j, l) in plan.m_colind[row.clone()].iter().zip(&factors[row]) {
@@ -123,7 +123,7 @@ pub(super) fn solve<S: Simd>(
             |k: usize| load(at, &factors[k]) * load(at, &x[columns[k]]),
         );
         let whole = columns.len() / 4 * 4;
-        // the rest is added term by term
+        // the remaining products are added one by one
         let mut total = sum(at, whole, product);
         for k in whole..columns.len() {
             total = total + product(k);
@@ -237,7 +237,7 @@ pub(super) fn cholesky_solve<S: Simd>(
     }
 }
 
-/// Updates the factor for `+ x x'` (where `adds` is set) or `- x x'`, in the lanes of `which`:
+/// Updates the factor for `+ x x'` (where `adds` is 1) or `- x x'`, in the lanes of `which`:
 /// MuJoCo's `mju_cholUpdate`. Returns the lanes where the result is not positive definite.
 #[inline(always)]
 pub(super) fn cholesky_update<S: Simd>(

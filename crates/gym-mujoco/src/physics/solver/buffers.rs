@@ -1,15 +1,14 @@
-//! Buffers of the primal solvers, Newton and CG.
+//! The buffers of the primal solvers, Newton and CG.
 
-use super::law::{ConeHessian, Piece, State};
 use super::line_search::Row;
+use super::row_costs::{ConeHessian, Piece, State};
 use crate::physics::constraint::Block;
 use crate::physics::dense::{self, Lanes};
 
-/// Buffers of the primal solvers.
+/// The buffers of the primal solvers.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Buffers {
-    // vectors over degrees of freedom: of the whole model for `ma_start`, of an island for the
-    // others
+    // vectors over degrees of freedom: `ma_start` over the whole model, the others over an island
     pub(super) ma_start: Vec<f64>,
     pub(super) acc: Vec<Lanes>,
     pub(super) smooth: Vec<Lanes>,
@@ -24,20 +23,23 @@ pub(crate) struct Buffers {
     pub(super) last: usize,
     /// The Hessian's lower triangle by columns, then its factor.
     pub(super) hessian: Vec<Lanes>,
-    /// The Jacobians of the rows that push, and the same times the rows' stiffness.
+    /// The Jacobians of the rows that push (`pushing`), and these Jacobians times the rows'
+    /// stiffness (`pushed`).
     pub(super) pushing: Vec<Lanes>,
     pub(super) pushed: Vec<Lanes>,
-    /// The terms of the force on the joints: the start of a row of the Jacobian, and its force.
+    /// The terms of the force on the joints: for each row, the index at which its Jacobian starts,
+    /// and the row's force.
     pub(super) terms: Vec<(usize, f64)>,
     // vectors over rows
     pub(super) jar: Vec<f64>,
     pub(super) jv: Vec<f64>,
     pub(super) force: Vec<f64>,
-    /// Whether each row pushes.
+    /// Whether each row pushes. A limit or a contact pushes while its residual `jar` is negative.
     pub(super) pushes: Vec<bool>,
     pub(super) rows: Vec<Row>,
-    /// For models with rows that do more than push: states, costs along the search direction,
-    /// second derivatives of cones, and the factor that includes these.
+    /// For models with equality constraints, dry friction or elliptic cones: the rows' states and
+    /// costs along the search direction, the second derivatives of cones, and the factor that
+    /// includes the second derivatives.
     pub(super) states: Vec<State>,
     pub(super) pieces: Vec<Piece>,
     pub(super) cones: Vec<ConeHessian>,
@@ -45,7 +47,7 @@ pub(crate) struct Buffers {
     // buffers of conjugate gradients
     pub(super) grad_before: Vec<Lanes>,
     pub(super) mgrad_before: Vec<Lanes>,
-    /// The rows of an island, if the model has several.
+    /// The rows of an island, if the model has several islands.
     pub(super) gathered: Gathered,
 }
 
@@ -61,7 +63,8 @@ pub(super) struct Gathered {
 }
 
 impl Buffers {
-    /// Allocates for these numbers of degrees of freedom, rows, blocks and elliptic cones.
+    /// Allocates the buffers for a model with `nv` degrees of freedom and at most `rows` rows,
+    /// `blocks` blocks and `cones` elliptic cones.
     pub(crate) fn new(nv: usize, rows: usize, blocks: usize, cones: usize) -> Self {
         let mut buffers = Self::default();
         buffers.ma_start.resize(nv, 0.0);
@@ -109,8 +112,8 @@ impl Buffers {
         buffers
     }
 
-    /// Resizes the vectors for an island of `n` degrees of freedom; elements after the last are
-    /// zero.
+    /// Resizes the vectors for an island of `n` degrees of freedom. The elements that fill the last
+    /// group of four are zero.
     pub(super) fn fit(&mut self, n: usize) {
         for vector in [
             &mut self.acc,

@@ -1,8 +1,8 @@
 //! Factors `L L'` of a positive definite matrix, each sum in libmujoco's order.
 //!
 //! The lower triangle is stored by columns of `stride` groups of four rows. libmujoco computes the
-//! sums of one row at a time; this computes four rows at once. Elements above the diagonal are
-//! undefined.
+//! sums of one row at a time, this module the sums of four rows at once. Elements above the
+//! diagonal are undefined.
 
 use std::ops::Sub;
 
@@ -11,7 +11,7 @@ use crate::physics::dense::{Lanes, minus, plus, times};
 use crate::physics::spatial::MINVAL;
 
 /// Replaces the lower triangle of a matrix of `n` rows by its factor: MuJoCo's `mju_cholFactor`. A
-/// pivot that is too small is replaced.
+/// pivot below `MINVAL` is replaced by `MINVAL`.
 #[inline(always)]
 pub(super) fn factor(matrix: &mut [Lanes], n: usize, stride: usize) {
     for j in 0..n {
@@ -19,7 +19,7 @@ pub(super) fn factor(matrix: &mut [Lanes], n: usize, stride: usize) {
         let (first, lane) = (j / 4, j % 4);
         let column = &mut column[first..stride];
         for (g, rows) in column.iter_mut().enumerate() {
-            // the factor for all rows is element j of each column
+            // in all rows, the factor of a column's product is the column's element j
             let products = dot_rows(
                 before,
                 stride,
@@ -44,8 +44,9 @@ pub(super) fn factor(matrix: &mut [Lanes], n: usize, stride: usize) {
     }
 }
 
-/// The products of four rows with a vector, in the order of [`dot`](crate::physics::dense::dot),
-/// over some columns. `element` returns the vector's element, given a column and its number.
+/// Returns the products of four rows (`group`) with a vector, in the order of
+/// [`dot`](crate::physics::dense::dot), over `columns`. `element` returns the vector's element for
+/// a column and the column's index.
 #[inline(always)]
 fn dot_rows(
     columns: &[Lanes],
@@ -72,7 +73,7 @@ fn dot_rows(
 }
 
 /// Solves `L L' x = x`: MuJoCo's `mju_cholSolve`. From 4.0 on, the back substitution goes by
-/// columns, so an element subtracts the products of the last elements first.
+/// columns, so the products of the last elements are subtracted first.
 #[inline(always)]
 pub(super) fn solve(
     factor: &[Lanes],
@@ -82,7 +83,7 @@ pub(super) fn solve(
     revision: Revision,
 ) {
     for g in 0..stride {
-        // subtract the columns before the current four rows
+        // subtract the products of all columns before the current four rows
         let known = x[..g].as_flattened();
         let sums = dot_rows(
             &factor[..4 * g * stride],
@@ -161,7 +162,7 @@ mod tests {
 
     const N: usize = 7;
 
-    /// A positive definite matrix, by rows.
+    /// Returns a positive definite matrix, by rows.
     fn matrix() -> [[f64; N]; N] {
         let entry =
             |i: usize, j: usize| 1.0 / (1.0 + i as f64 + j as f64) + if i == j { 2.0 } else { 0.0 };
@@ -178,7 +179,7 @@ mod tests {
         columns
     }
 
-    /// The same by rows, element by element, as libmujoco does it.
+    /// Computes factor and solution by rows, element by element, as libmujoco does.
     fn plain(matrix: &mut [[f64; N]; N], x: &mut [f64; N], revision: Revision) {
         for j in 0..N {
             let diagonal = (matrix[j][j] - dot_slices(&matrix[j][..j], &matrix[j][..j])).sqrt();

@@ -7,7 +7,7 @@ use crate::physics::dense::{Lanes, add_scaled, times};
 use crate::physics::inertia::solve_tree;
 use crate::physics::spatial::MINVAL;
 
-/// Steps along conjugate directions. Returns the number of steps.
+/// Takes steps along conjugate directions. Returns the number of steps.
 #[inline(never)]
 pub(super) fn iterate(problem: &Problem<'_>, b: &mut Buffers, scale: f64, tolerance: f64) -> usize {
     let n = problem.n;
@@ -48,7 +48,7 @@ pub(super) fn iterate(problem: &Problem<'_>, b: &mut Buffers, scale: f64, tolera
     iteration
 }
 
-/// Multiplies the gradient with the inverse of the inertia matrix.
+/// Computes `mgrad`, the gradient times the inverse of the inertia matrix.
 fn precondition(problem: &Problem<'_>, b: &mut Buffers) {
     b.mgrad.copy_from_slice(&b.grad);
     for (dofs, place) in problem.places() {
@@ -57,7 +57,8 @@ fn precondition(problem: &Problem<'_>, b: &mut Buffers) {
     }
 }
 
-/// The factor of the last direction in the next one: the rule of Hager and Zhang.
+/// Returns the factor by which the next search direction contains the last search direction: the
+/// rule of Hager and Zhang.
 fn conjugate(b: &mut Buffers, n: usize) -> f64 {
     const ETA: f64 = 0.01;
     let subtract = |from: &mut [Lanes], now: &[Lanes]| {

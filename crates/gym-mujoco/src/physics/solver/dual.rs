@@ -1,6 +1,5 @@
-//! Updates of the forces of rows that do more than push: projected Gauss-Seidel for models with
-//! equality constraints, dry friction or elliptic cones, and what the correction of slip has in
-//! common with it.
+//! Projected Gauss-Seidel for models with equality constraints, dry friction or elliptic cones.
+//! [`noslip`](super::noslip) uses the same updates of the rows' forces.
 
 use super::pgs::{Buffers, Pcg32};
 use super::qcqp;
@@ -9,10 +8,11 @@ use crate::physics::dense::{self, dot, dot_slices};
 use crate::physics::spatial::MINVAL;
 use crate::{Data, Model, Revision};
 
-/// Most rows of a cone.
+/// The largest number of rows of a cone.
 const MOST: usize = 6;
 
-/// The forces of all rows, and the matrix of their effect on one another.
+/// The forces of all rows, and the matrix `J M^-1 J' + R`, by which the forces of rows affect one
+/// another.
 pub(super) struct Rows<'a> {
     pub(super) d: &'a Data,
     pub(super) s: &'a mut Buffers,
@@ -37,7 +37,7 @@ impl Rows<'_> {
         self.s.ar[i * stride + j / 4][j % 4]
     }
 
-    /// The matrix of `n` rows.
+    /// Returns the part of the matrix for the `n` rows from `first` on.
     pub(super) fn block(&self, first: usize, n: usize) -> [f64; MOST * MOST] {
         let mut a = [0.0; MOST * MOST];
         for (k, a) in a[..n * n].iter_mut().enumerate() {
@@ -52,7 +52,8 @@ impl Rows<'_> {
         self.d.efc.b[row] + dot(ar, &self.s.force, nefc)
     }
 
-    /// Sets the forces of rows unless the cost would grow; returns the change of the cost.
+    /// Sets the forces of the rows from `first` on to `force`, unless the cost would grow. Returns
+    /// the change of the cost.
     pub(super) fn take(
         &mut self,
         first: usize,
@@ -81,7 +82,7 @@ impl Rows<'_> {
         change
     }
 
-    /// Updates the force of a single row; returns the change of the cost.
+    /// Updates the force of the single row of `unit`. Returns the change of the cost.
     fn single(&mut self, unit: &Unit) -> f64 {
         let (row, old) = (unit.row, self.force(unit.row));
         let (residual, inverse) = (self.residual(row), 1.0 / self.element(row, row));
@@ -95,8 +96,8 @@ impl Rows<'_> {
         change
     }
 
-    /// Updates the forces of a cone: along the line through the forces, then the friction. Returns
-    /// the change of the cost.
+    /// Updates the forces of a cone: scales all forces along their common direction, then solves
+    /// for the friction. Returns the change of the cost.
     fn cone(&mut self, row: usize, dim: usize, mu: &[f64; 5]) -> f64 {
         let (old, a) = (self.forces(row, dim), self.block(row, dim));
         let mut residual = [0.0; MOST];
@@ -143,7 +144,7 @@ impl Rows<'_> {
     }
 }
 
-/// Rows that are updated at once: a row, or all rows of an elliptic cone.
+/// Rows that are updated together: a single row, or all rows of an elliptic cone.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Unit {
     row: usize,
@@ -166,7 +167,7 @@ impl Unit {
         })
     }
 
-    /// A force of the row, moved to the nearest one that is possible.
+    /// Returns `force`, clamped to the possible forces of the row.
     fn bounded(&self, d: &Data, force: f64) -> f64 {
         match self.kind {
             Kind::Equality => force,
@@ -179,7 +180,7 @@ impl Unit {
         }
     }
 
-    /// The coefficients of friction of a cone.
+    /// Returns the coefficients of friction of a cone.
     fn friction<'a>(&self, d: &'a Data) -> Option<&'a [f64; 5]> {
         match (self.kind, self.source) {
             (Kind::Cone, Source::Contact(id)) => Some(&d.contact[id].friction),
@@ -224,7 +225,7 @@ pub(super) fn iterate(m: &Model, d: &Data, s: &mut Buffers, blocks: &[usize], sc
             };
         }
         improvement *= scale;
-        k = if iterations > 0 && rows.turned() < 0.0 {
+        k = if iterations > 0 && rows.extrapolation_product() < 0.0 {
             0.0
         } else {
             k + 1.0
@@ -239,7 +240,7 @@ pub(super) fn iterate(m: &Model, d: &Data, s: &mut Buffers, blocks: &[usize], sc
 }
 
 impl Rows<'_> {
-    /// Moves the forces on in the direction of their last change.
+    /// Extrapolates the forces by `beta` times their last change.
     fn extrapolate(&mut self, units: &[Unit], beta: f64) {
         for c in 0..self.s.rows.len() {
             let row = self.s.rows[c];
@@ -273,8 +274,9 @@ impl Rows<'_> {
         }
     }
 
-    /// The product of the updates and the extrapolation before them.
-    fn turned(&self) -> f64 {
+    /// Returns the scalar product of the updates and of the extrapolation before the updates. A
+    /// negative product restarts the momentum.
+    fn extrapolation_product(&self) -> f64 {
         let s = &self.s;
         let parts = s.rows.iter().zip(&s.momentum).zip(&s.before);
         parts.fold(0.0, |sum, ((&row, momentum), before)| {

@@ -1,17 +1,17 @@
 //! Newton's line search: the exact minimum of a piecewise quadratic function.
 
-use super::law::{Piece, evaluate};
+use super::row_costs::{Piece, evaluate};
 use crate::physics::spatial::MINVAL;
 
 /// The quantities of a row that a line search reads.
 #[derive(Clone, Copy, Debug, Default)]
 pub(in crate::physics) struct Row {
-    /// The residual at the start, and its change per unit of the step length.
+    /// The residual at step length 0, and its change per unit of the step length.
     jar: f64,
     jv: f64,
     /// The coefficients of the cost while the row pushes, as a polynomial in the step length.
     quad: [f64; 3],
-    /// The cost at the start.
+    /// The cost at step length 0.
     cost: f64,
 }
 
@@ -29,10 +29,11 @@ impl Row {
     }
 }
 
-/// The cost along a direction, relative to that at its start.
+/// The cost along a search direction, relative to the cost at step length 0.
 pub(in crate::physics) struct Along<'a> {
     pub(in crate::physics) rows: &'a [Row],
-    /// The rows' costs, for models with rows that do more than push.
+    /// The rows' costs, for models with equality constraints, dry friction or elliptic cones;
+    /// otherwise empty.
     pub(in crate::physics) pieces: &'a [Piece],
     /// The coefficients of the step length and of its square in the smooth part of the cost.
     pub(in crate::physics) linear: f64,
@@ -40,7 +41,8 @@ pub(in crate::physics) struct Along<'a> {
     pub(in crate::physics) evaluations: usize,
 }
 
-/// A step length, and the cost there (relative to no step) with its first and second derivative.
+/// A step length, and the cost at this step length (relative to step length 0) with its first and
+/// second derivative.
 #[derive(Clone, Copy, Debug, Default)]
 struct Point {
     alpha: f64,
@@ -50,14 +52,14 @@ struct Point {
 }
 
 impl Point {
-    /// The step length after a Newton step from this point.
+    /// Returns the step length after a Newton step from this point.
     fn newton(&self) -> f64 {
         self.alpha - self.slope / self.curvature
     }
 }
 
 impl Along<'_> {
-    /// The cost at a step length: MuJoCo's `PrimalEval`.
+    /// Returns the cost at the step length `alpha`: MuJoCo's `PrimalEval`.
     #[inline(always)]
     fn at(&mut self, alpha: f64) -> Point {
         self.evaluations += 1;
@@ -92,8 +94,8 @@ impl Along<'_> {
     }
 }
 
-/// The step length along a direction that minimises the cost, and the improvement: MuJoCo's
-/// `PrimalSearch`. The length is zero if no step lowers the cost.
+/// Returns the step length that minimises the cost along a direction, and the improvement: MuJoCo's
+/// `PrimalSearch`. The step length is zero if no step lowers the cost.
 ///
 /// Slopes below `flat` count as zero; `most` is the largest number of evaluations.
 #[inline(always)]
@@ -105,7 +107,7 @@ pub(in crate::physics) fn line_search(mut along: Along<'_>, flat: f64, most: usi
         return found(&p1);
     }
 
-    // Newton steps in one direction, until the minimum is passed
+    // take Newton steps in one direction until they pass the minimum
     let direction = if p1.slope < 0.0 { 1.0 } else { -1.0 };
     let mut p2 = p0;
     while p1.slope * direction <= -flat && along.evaluations < most {
@@ -144,8 +146,8 @@ pub(in crate::physics) fn line_search(mut along: Along<'_>, flat: f64, most: usi
     }
 }
 
-/// Moves `p`, an end of the bracket, to a candidate on its side that is nearer to the minimum:
-/// MuJoCo's `updateBracket`.
+/// Moves `p`, an end of the bracket, to the candidate on the same side of the minimum that is
+/// nearest to the minimum, and `next` to a Newton step from there: MuJoCo's `updateBracket`.
 #[inline(always)]
 fn narrow(along: &mut Along<'_>, p: &mut Point, candidates: &[Point; 3], next: &mut Point) -> bool {
     let mut moved = false;

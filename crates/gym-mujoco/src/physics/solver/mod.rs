@@ -4,12 +4,12 @@ pub(crate) mod buffers;
 mod cholesky;
 mod conjugate;
 mod dual;
-mod law;
 pub(super) mod line_search;
 mod newton;
 mod noslip;
 pub(crate) mod pgs;
 mod qcqp;
+mod row_costs;
 
 use std::ops::Range;
 
@@ -55,7 +55,7 @@ pub(super) fn forces_of_one_tree(m: &Model, d: &mut Data) {
     add_forces(m, d);
 }
 
-/// Lists the trees and the blocks of each island in their order.
+/// Lists the trees and the blocks of each island, in the order of their indices.
 fn islands(m: &Model, d: &mut Data) {
     let (work, efc) = (&mut d.work, &d.efc);
     work.island_trees.clear();
@@ -78,7 +78,7 @@ fn islands(m: &Model, d: &mut Data) {
     }
 }
 
-/// The ranges of an island in the lists.
+/// The ranges of an island in `island_trees` and `island_blocks`.
 #[derive(Clone, Debug)]
 pub(crate) struct Island {
     trees: Range<usize>,
@@ -90,7 +90,7 @@ pub(super) fn forces_at(m: &Model, d: &mut Data) {
     let (efc, b) = (&mut d.efc, &mut d.work.newton);
     b.jar.resize(efc.nefc(), 0.0);
     residuals(m, efc, &d.qacc, &mut d.work.dofs, &mut b.jar);
-    let law = law::Law {
+    let row_costs = row_costs::RowCosts {
         blocks: &efc.blocks,
         d: &efc.d,
         r: &efc.r,
@@ -98,8 +98,8 @@ pub(super) fn forces_at(m: &Model, d: &mut Data) {
         contacts: &d.contact,
         revision: m.revision,
     };
-    b.states.resize(b.jar.len(), law::State::Satisfied);
-    law.update(&b.jar, &mut efc.force, &mut b.states, &mut b.cones);
+    b.states.resize(b.jar.len(), row_costs::State::Satisfied);
+    row_costs.update(&b.jar, &mut efc.force, &mut b.states, &mut b.cones);
 }
 
 /// Computes `qfrc_constraint`: the forces of all rows on the degrees of freedom.
@@ -127,7 +127,8 @@ fn residuals(m: &Model, efc: &Constraints, qacc: &[f64], x: &mut [Lanes], jar: &
     }
 }
 
-/// The cost of rows at their residuals, for rows that only push.
+/// Returns the cost of rows with the residuals `jar`, for rows that only push (limits, and contacts
+/// without elliptic cones).
 #[inline(always)]
 fn cost_of_rows(d: &[f64], jar: &[f64]) -> f64 {
     let mut cost = 0.0;

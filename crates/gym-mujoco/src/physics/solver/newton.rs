@@ -1,8 +1,8 @@
-//! Newton's method on accelerations. The cost of the constraints is quadratic except where rows
-//! start or cease to push, so a few steps with exact line search reach the minimum.
+//! Newton's method on accelerations. The cost of the constraints is a quadratic function as long as
+//! the same rows push, so a few steps with exact line search reach the minimum.
 //!
-//! Each island is solved on vectors of its own degrees of freedom and rows: the position of a
-//! number decides when it is added to a sum.
+//! Each island has vectors of its own degrees of freedom and rows, as in MuJoCo, because an
+//! element's position in a vector affects the order of a sum.
 
 #![expect(
     clippy::needless_range_loop,
@@ -12,8 +12,8 @@
 use std::ops::Range;
 
 use super::buffers::{Buffers, Gathered};
-use super::law::{ConeHessian, Law, State};
 use super::line_search::{Along, Row, line_search};
+use super::row_costs::{ConeHessian, RowCosts, State};
 use super::{cholesky, conjugate, cost_of_rows, residuals};
 use crate::model::{Disable, Solver};
 use crate::physics::constraint::{Block, Constraints, mul_jacobian};
@@ -28,13 +28,13 @@ pub(super) fn solve(m: &Model, d: &mut Data) {
     let (efc, work) = (&mut d.efc, &mut d.work);
     let b = &mut work.newton;
 
-    // start at the last step's accelerations, or at those without constraints if their cost is
-    // lower
+    // start at the last step's accelerations, or at the accelerations without constraints if these
+    // have a lower cost
     b.jar.resize(efc.nefc(), 0.0);
     residuals(m, efc, &d.qacc_warmstart, &mut work.dofs, &mut b.jar);
     multiply(m, &d.qm, &d.qacc_warmstart, &mut b.ma_start);
     let general = !m.plan().plain;
-    let law = Law {
+    let row_costs = RowCosts {
         blocks: &efc.blocks,
         d: &efc.d,
         r: &efc.r,
@@ -48,7 +48,7 @@ pub(super) fn solve(m: &Model, d: &mut Data) {
             if general {
                 b.force.resize(jar.len(), 0.0);
                 b.states.resize(jar.len(), State::Satisfied);
-                law.update(jar, &mut b.force, &mut b.states, &mut b.cones)
+                row_costs.update(jar, &mut b.force, &mut b.states, &mut b.cones)
             } else {
                 cost_of_rows(&efc.d, jar)
             }
@@ -95,7 +95,7 @@ pub(super) fn solve(m: &Model, d: &mut Data) {
             stride: efc.stride(),
             d: &efc.d,
             aref: &efc.aref,
-            law: general.then_some(law),
+            row_costs: general.then_some(row_costs),
         };
         let answer = (&mut *d.qacc, &mut *d.qfrc_constraint);
         let iterations = if trees.len() == m.ntree() {
@@ -112,7 +112,7 @@ pub(super) fn solve(m: &Model, d: &mut Data) {
             (problem.blocks, problem.jac, problem.stride) =
                 (&rows.blocks, &rows.jac, dense::groups(n));
             (problem.d, problem.aref) = (&rows.d, &rows.aref);
-            problem.law = general.then_some(Law {
+            problem.row_costs = general.then_some(RowCosts {
                 blocks: &rows.blocks,
                 d: &rows.d,
                 r: &rows.r,
@@ -144,7 +144,7 @@ pub(super) struct Problem<'a> {
     trees: &'a [usize],
     /// The number of degrees of freedom.
     pub(super) n: usize,
-    // over all degrees of freedom
+    // over all degrees of freedom of the model
     qm: &'a [f64],
     pub(super) qld: &'a [f64],
     pub(super) qld_diag_inv: &'a [f64],
@@ -155,12 +155,13 @@ pub(super) struct Problem<'a> {
     stride: usize,
     d: &'a [f64],
     aref: &'a [f64],
-    /// The rows' properties, for models with rows that do more than push.
-    law: Option<Law<'a>>,
+    /// For models with equality constraints, dry friction or elliptic cones.
+    row_costs: Option<RowCosts<'a>>,
 }
 
 impl Problem<'_> {
-    /// For each tree of the island: its degrees of freedom in the model, and in the island.
+    /// Iterates over the trees of the island: the range of a tree's degrees of freedom in the
+    /// model, and in the island.
     #[inline(always)]
     pub(super) fn places(&self) -> impl Iterator<Item = (Range<usize>, Range<usize>)> {
         let mut next = 0;
@@ -175,7 +176,7 @@ impl Problem<'_> {
         )
     }
 
-    /// A row of the Jacobian.
+    /// Returns row `row` of the Jacobian.
     #[inline]
     fn row(&self, row: usize) -> &[Lanes] {
         &self.jac[row * self.stride..(row + 1) * self.stride]
@@ -200,7 +201,7 @@ impl Problem<'_> {
     }
 }
 
-/// Copies the data of an island's rows out of those of all rows.
+/// Copies the data of an island's rows from the data of all rows.
 fn gather(problem: &Problem<'_>, efc: &Constraints, b: &mut Gathered, blocks: &[usize]) {
     let stride = dense::groups(problem.n);
     b.blocks.clear();
@@ -227,7 +228,7 @@ fn gather(problem: &Problem<'_>, efc: &Constraints, b: &mut Gathered, blocks: &[
         }
         let rows = block.row..block.row + block.rows;
         b.d.extend_from_slice(&efc.d[rows.clone()]);
-        if problem.law.is_some() {
+        if problem.row_costs.is_some() {
             b.r.extend_from_slice(&efc.r[rows.clone()]);
             let loss = |row: usize| efc.loss.get(row).copied().unwrap_or(0.0);
             b.loss.extend(rows.clone().map(loss));
@@ -236,8 +237,8 @@ fn gather(problem: &Problem<'_>, efc: &Constraints, b: &mut Gathered, blocks: &[
     }
 }
 
-/// Solves one island: MuJoCo's `mj_solPrimal`. Writes its accelerations and constraint forces,
-/// leaves the rows' forces in the buffer, and returns the number of iterations.
+/// Solves one island: MuJoCo's `mj_solPrimal`. Writes the island's accelerations and constraint
+/// forces, and returns the number of iterations. The rows' forces are in `b.force`.
 #[inline(always)]
 fn solve_island(
     problem: &Problem<'_>,
@@ -282,19 +283,19 @@ fn solve_island(
     iterations
 }
 
-/// [`dense::dot`], not inlined: one copy of the code for all callers.
+/// Returns [`dense::dot`]. It is not inlined, so that all callers share one copy of the code.
 #[inline(never)]
 pub(super) fn dot(a: &[Lanes], b: &[Lanes], n: usize) -> f64 {
     dense::dot(a, b, n)
 }
 
-/// The length of a vector of `n` elements: MuJoCo's `mju_norm`.
+/// Returns the length of a vector of `n` elements: MuJoCo's `mju_norm`.
 pub(super) fn norm(a: &[Lanes], n: usize) -> f64 {
     dot(a, a, n).sqrt()
 }
 
-/// Takes Newton steps, and returns their number. Each part is called from one place, so that it is
-/// inlined once.
+/// Takes Newton steps, and returns their number. Each part is called from one place, so that the
+/// compiler inlines each part once.
 #[inline(always)]
 fn iterate(problem: &Problem<'_>, b: &mut Buffers, scale: f64, tolerance: f64) -> usize {
     let (m, n) = (problem.m, problem.n);
@@ -307,7 +308,7 @@ fn iterate(problem: &Problem<'_>, b: &mut Buffers, scale: f64, tolerance: f64) -
             return iteration;
         }
         if level {
-            // half of the gradient's square bounds the improvement that is still possible
+            // half of the gradient's square, in the norm of `M^-1`, bounds the possible improvement
             b.mgrad.copy_from_slice(&b.grad);
             for (dofs, place) in problem.places() {
                 let x = &mut b.mgrad.as_flattened_mut()[place];
@@ -317,7 +318,7 @@ fn iterate(problem: &Problem<'_>, b: &mut Buffers, scale: f64, tolerance: f64) -
                 return 0;
             }
         }
-        if iteration == 0 && problem.law.is_some() {
+        if iteration == 0 && problem.row_costs.is_some() {
             let states = b.states.iter().zip(&mut b.pushes);
             states.for_each(|(state, pushes)| *pushes = *state == State::Quadratic);
         }
@@ -325,7 +326,7 @@ fn iterate(problem: &Problem<'_>, b: &mut Buffers, scale: f64, tolerance: f64) -
             hessian(problem, b);
         }
         b.mgrad.copy_from_slice(&b.grad);
-        if problem.law.is_some() && !b.cones.is_empty() {
+        if problem.row_costs.is_some() && !b.cones.is_empty() {
             add_cones(problem, b);
             cholesky::solve(&b.with_cones, n, problem.stride, &mut b.mgrad, m.revision);
         } else {
@@ -352,13 +353,13 @@ fn iterate(problem: &Problem<'_>, b: &mut Buffers, scale: f64, tolerance: f64) -
     }
 }
 
-/// Computes the rows' forces, the resulting joint forces, and the gradient: MuJoCo's
+/// Computes the rows' forces, the resulting forces on the joints, and the gradient: MuJoCo's
 /// `PrimalUpdateConstraint` and `PrimalUpdateGrad`.
 #[inline(always)]
 pub(super) fn update(problem: &Problem<'_>, b: &mut Buffers) {
     b.terms.clear();
-    if let Some(law) = &problem.law {
-        law.update(&b.jar, &mut b.force, &mut b.states, &mut b.cones);
+    if let Some(row_costs) = &problem.row_costs {
+        row_costs.update(&b.jar, &mut b.force, &mut b.states, &mut b.cones);
         let forces = b.force.iter().enumerate();
         let forces = forces.filter(|(_, force)| **force != 0.0);
         b.terms
@@ -396,7 +397,7 @@ pub(super) fn update(problem: &Problem<'_>, b: &mut Buffers) {
 #[inline(always)]
 fn hessian(problem: &Problem<'_>, b: &mut Buffers) {
     let (n, stride, plan) = (problem.n, problem.stride, problem.m.plan());
-    // the Jacobians of the rows that push, and the same times their stiffness
+    // the Jacobians of the rows that push, and these Jacobians times the rows' stiffness
     b.pushing.clear();
     b.pushed.clear();
     for (row, (&pushes, &stiffness)) in b.pushes.iter().zip(problem.d).enumerate() {
@@ -420,7 +421,7 @@ fn hessian(problem: &Problem<'_>, b: &mut Buffers) {
             |index| (index * stride + first, pushing[index * 4 * stride + i]),
         );
     }
-    // the inertia matrix is added last
+    // as in MuJoCo, add the inertia matrix last
     let hessian = b.hessian.as_flattened_mut();
     for (dofs, place) in problem.places() {
         for (dof, row) in dofs.zip(place.clone()) {
@@ -433,13 +434,13 @@ fn hessian(problem: &Problem<'_>, b: &mut Buffers) {
     cholesky::factor(&mut b.hessian, n, stride);
 }
 
-/// Updates the factor for the rows that began or ceased to push: MuJoCo's `HessianIncremental`.
-/// Returns false if it must be factored again.
+/// Updates the factor of the Hessian for the rows that began or ceased to push: MuJoCo's
+/// `HessianIncremental`. Returns false if the Hessian must be factored again.
 #[inline(always)]
 fn update_hessian(problem: &Problem<'_>, b: &mut Buffers) -> bool {
     let mut definite = true;
     for row in 0..b.jar.len() {
-        let pushes = match problem.law {
+        let pushes = match problem.row_costs {
             None => b.jar[row] < 0.0,
             Some(_) => b.states[row] == State::Quadratic,
         };
@@ -464,7 +465,8 @@ fn update_hessian(problem: &Problem<'_>, b: &mut Buffers) -> bool {
     definite
 }
 
-/// Computes the factor that includes the second derivatives of the cones: MuJoCo's `HessianCone`.
+/// Computes the factor of the Hessian with the second derivatives of the cones: MuJoCo's
+/// `HessianCone`.
 #[inline(never)]
 fn add_cones(problem: &Problem<'_>, b: &mut Buffers) {
     b.with_cones.clear();
@@ -487,7 +489,7 @@ fn add_cones(problem: &Problem<'_>, b: &mut Buffers) {
     }
 }
 
-/// The factor `L` of a cone's second derivatives, `L L'`: MuJoCo's `mju_cholFactor`.
+/// Returns the factor `L` of a cone's second derivatives `L L'`: MuJoCo's `mju_cholFactor`.
 fn local_factor(cone: &ConeHessian) -> [[f64; 6]; 6] {
     let mut l = cone.matrix;
     for j in 0..cone.dim {
@@ -509,8 +511,8 @@ fn local_factor(cone: &ConeHessian) -> [[f64; 6]; 6] {
     l
 }
 
-/// The step length along the search direction, and the improvement. Leaves `M search` and `J
-/// search` in the buffers.
+/// Returns the step length along the search direction, and the improvement. Stores `M search` and
+/// `J search` in `b`.
 #[inline(always)]
 pub(super) fn search(problem: &Problem<'_>, b: &mut Buffers, scale: f64) -> (f64, f64) {
     let (opt, n) = (&problem.m.opt, problem.n);
@@ -522,8 +524,8 @@ pub(super) fn search(problem: &Problem<'_>, b: &mut Buffers, scale: f64) -> (f64
     problem.mul_jacobian(&b.search, &mut b.jv);
     b.rows.clear();
     b.pieces.clear();
-    match &problem.law {
-        Some(law) => law.prepare(&b.jar, &b.jv, &mut b.pieces),
+    match &problem.row_costs {
+        Some(row_costs) => row_costs.prepare(&b.jar, &b.jv, &mut b.pieces),
         None => b.rows.extend(
             b.jar
                 .iter()

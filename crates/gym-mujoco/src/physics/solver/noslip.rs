@@ -1,5 +1,5 @@
-//! Iterations after the solver that prevent slip: they change only friction forces, and leave out
-//! the regularisation that lets contacts creep.
+//! MuJoCo's "noslip" iterations, which follow the solver and suppress slip. They change only
+//! friction forces, and ignore the regularisation, which lets contacts creep.
 
 use super::dual::Rows;
 use super::{pgs, qcqp};
@@ -37,8 +37,9 @@ pub(super) fn solve(m: &Model, d: &mut Data) {
     pgs::finish(m, d);
 }
 
-/// Old forces of some rows, and the quadratic form of the cost of new ones, without regularisation.
-struct Form {
+/// The cost of new forces of some rows as a quadratic form without regularisation, and the rows'
+/// old forces.
+struct QuadraticForm {
     old: [f64; 6],
     residual: [f64; 6],
     a: [f64; 36],
@@ -86,12 +87,12 @@ impl Rows<'_> {
         m.opt.noslip_iterations
     }
 
-    /// The residual of a row, with its regularisation left out.
+    /// Returns the residual of a row without its regularisation.
     fn pure_residual(&self, row: usize) -> f64 {
         self.residual(row) - self.d.efc.r[row] * self.force(row)
     }
 
-    /// Updates a row of dry friction; returns the change of the cost.
+    /// Updates the force of a row of dry friction. Returns the change of the cost.
     fn dry_friction(&mut self, row: usize) -> f64 {
         let (loss, old) = (self.d.efc.loss[row], self.force(row));
         let residual = self.pure_residual(row);
@@ -102,7 +103,7 @@ impl Rows<'_> {
         0.5 * delta * delta / inverse + delta * residual
     }
 
-    fn form(&self, first: usize, n: usize) -> Form {
+    fn form(&self, first: usize, n: usize) -> QuadraticForm {
         let (old, mut a) = (self.forces(first, n), self.block(first, n));
         let (mut residual, mut rest) = ([0.0; 6], [0.0; 6]);
         for (k, (residual, rest)) in residual[..n].iter_mut().zip(&mut rest).enumerate() {
@@ -111,7 +112,7 @@ impl Rows<'_> {
             *own = f64::max(1e-10, *own - self.d.efc.r[first + k]);
             *rest = *residual - dot_slices(&a[k * n..(k + 1) * n], &old[..n]);
         }
-        Form {
+        QuadraticForm {
             old,
             residual,
             a,
@@ -119,10 +120,10 @@ impl Rows<'_> {
         }
     }
 
-    /// Updates two opposite edges of a pyramid; returns the change of the cost.
+    /// Updates the forces of two opposite edges of a pyramid. Returns the change of the cost.
     fn edges(&mut self, row: usize) -> f64 {
         let form = self.form(row, 2);
-        let Form { old, a, rest, .. } = &form;
+        let QuadraticForm { old, a, rest, .. } = &form;
         let middle = 0.5 * (old[0] + old[1]);
         let k1 = a[0] + a[3] - a[1] - a[2];
         let k0 = middle * (a[0] - a[3]) + rest[0] - rest[1];
@@ -141,7 +142,7 @@ impl Rows<'_> {
         self.take_form(row, &form, &force)
     }
 
-    /// Updates the friction of an elliptic cone; returns the change of the cost.
+    /// Updates the friction of an elliptic cone. Returns the change of the cost.
     fn slide(&mut self, block: &Block, friction: &[f64; 5]) -> f64 {
         let (row, n) = (block.row, block.rows - 1);
         let form = self.form(row + 1, n);
@@ -154,7 +155,7 @@ impl Rows<'_> {
         self.take_form(row + 1, &form, &force[1..=n])
     }
 
-    fn take_form(&mut self, first: usize, form: &Form, force: &[f64]) -> f64 {
+    fn take_form(&mut self, first: usize, form: &QuadraticForm, force: &[f64]) -> f64 {
         let n = force.len();
         let (old, residual) = (&form.old[..n], &form.residual[..n]);
         self.take(first, old, residual, &form.a[..n * n], force)

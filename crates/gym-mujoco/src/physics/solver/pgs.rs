@@ -1,10 +1,10 @@
 //! Projected Gauss-Seidel on forces, with momentum and in random order, as in MuJoCo.
 //!
-//! It stops long before it converges. So the result depends on the order of rows and on the number
-//! of iterations, and both are repeated exactly.
+//! The solver stops long before it converges, so its result depends on the order of the rows and on
+//! the number of iterations. This module repeats both exactly.
 
 use super::dual::{self, Unit};
-use super::law::{Law, State};
+use super::row_costs::{RowCosts, State};
 use super::{add_forces, dense, residuals};
 use crate::model::{Bounds, Disable, Solver};
 use crate::physics::dense::{Lanes, add_scaled, dot, times};
@@ -16,16 +16,17 @@ use crate::{Data, Model, Revision};
 pub(crate) struct Buffers {
     /// `(J L^-1 D^-1/2)'`: for each degree of freedom, its elements in every row.
     half: Vec<Lanes>,
-    /// `J M^-1 J' + R`, row by row.
+    /// `J M^-1 J' + R`, row by row: MuJoCo's `efc_AR`.
     pub(super) ar: Vec<Lanes>,
-    /// The terms of a row of `ar`: the start of a row of `half`, and its factor.
+    /// The terms of a row of `ar`: for each, the index at which a row of `half` starts, and its
+    /// factor.
     terms: Vec<(usize, f64)>,
-    /// The starts of the rows of `half` that are not zero, the last first.
+    /// The indices at which the nonzero rows of `half` start, in descending order.
     moving: Vec<usize>,
     jar: Vec<f64>,
     pub(super) force: Vec<Lanes>,
     product: Vec<Lanes>,
-    /// The rows of an island; the vectors below are in their order.
+    /// The rows of an island. The vectors below have the same order.
     pub(super) rows: Vec<usize>,
     steps: Vec<Step>,
     pub(super) units: Vec<Unit>,
@@ -35,7 +36,7 @@ pub(crate) struct Buffers {
     next_order: Vec<u32>,
 }
 
-/// The quantities of an update of one row.
+/// The quantities that the update of one row needs.
 #[derive(Clone, Copy, Debug)]
 struct Step {
     row: usize,
@@ -46,7 +47,7 @@ struct Step {
 }
 
 impl Buffers {
-    /// Allocates the buffers; they stay empty if the model has another solver.
+    /// Allocates the buffers, which are empty if the model has another solver.
     pub(crate) fn new(m: &Model, bounds: &Bounds) -> Self {
         let (nv, mut buffers) = (m.nv(), Self::default());
         if m.opt.solver != Solver::PGS && m.opt.noslip_iterations == 0 {
@@ -88,7 +89,8 @@ pub(super) fn forces(m: &Model, d: &mut Data) {
     let nefc = d.efc.nefc();
     project(m, d, &mut s);
 
-    // start at the forces of the last step's accelerations, unless zero forces have a lower cost
+    // start at the forces that the last step's accelerations cause, unless zero forces have a lower
+    // cost
     s.jar.resize(nefc, 0.0);
     residuals(m, &d.efc, &d.qacc_warmstart, &mut d.work.dofs, &mut s.jar);
     let stride = dense::groups(nefc);
@@ -104,7 +106,7 @@ pub(super) fn forces(m: &Model, d: &mut Data) {
     } else {
         let (efc, b) = (&d.efc, &mut d.work.newton);
         b.states.resize(nefc, State::Satisfied);
-        let law = Law {
+        let row_costs = RowCosts {
             blocks: &efc.blocks,
             d: &efc.d,
             r: &efc.r,
@@ -112,7 +114,7 @@ pub(super) fn forces(m: &Model, d: &mut Data) {
             contacts: &d.contact,
             revision: m.revision,
         };
-        law.update(&s.jar, &mut force[..nefc], &mut b.states, &mut b.cones);
+        row_costs.update(&s.jar, &mut force[..nefc], &mut b.states, &mut b.cones);
     }
     for (product, row) in s
         .product
@@ -122,7 +124,7 @@ pub(super) fn forces(m: &Model, d: &mut Data) {
     {
         *product = dot(row, &s.force, nefc);
     }
-    // `half_square` and its use below: one more product of vectors
+    // compare the cost of `force` with the cost of zero forces, which is 0
     let half_square = 0.5 * dot(&s.force, &s.product, nefc);
     dense::put(&mut s.product, &d.efc.b);
     let cold = m.opt.disables(Disable::WarmStart);
@@ -196,7 +198,7 @@ pub(super) fn project(m: &Model, d: &Data, s: &mut Buffers) {
             }
         }
     }
-    // starts at the last degree of freedom; those that move no row are left out
+    // from the last degree of freedom to the first, without those that no row depends on
     s.moving.clear();
     for i in (0..nv).rev() {
         let (above, rest) = s.half.split_at_mut(i * stride);
@@ -211,7 +213,7 @@ pub(super) fn project(m: &Model, d: &Data, s: &mut Buffers) {
                 add_scaled(&mut above[j * stride..(j + 1) * stride], own, -l);
             }
         }
-        // the square root of D; `qld` has D itself, not its inverse
+        // `qld` has D on its diagonal (not the inverse of D)
         let scale = 1.0 / d.qld[plan.m_diagonal(i)].sqrt();
         own.iter_mut()
             .for_each(|group| *group = times(*group, scale));
@@ -239,7 +241,7 @@ pub(super) fn project(m: &Model, d: &Data, s: &mut Buffers) {
     }
 }
 
-/// MuJoCo's random generator of the order: PCG32.
+/// The random generator PCG32, from which MuJoCo draws the order of the rows.
 pub(super) struct Pcg32(u64);
 
 impl Pcg32 {
@@ -257,15 +259,16 @@ impl Pcg32 {
         shifted.rotate_right((old >> 59) as u32)
     }
 
-    /// Swaps element `i` with a random one at `0..=i`.
+    /// Swaps element `i` with a random element of `0..=i`.
     #[inline(always)]
     pub(super) fn swap(&mut self, order: &mut [u32], i: usize) {
         order.swap(i, (self.next() % (i as u32 + 1)) as usize);
     }
 }
 
-/// The inertia that scales an island's improvement. Before 3.17 it is the model's, in the initial
-/// configuration; from then on the island's, in the current one.
+/// Returns the inertia that scales an island's improvement. Up to MuJoCo 3.16, it is the inertia of
+/// the model in the initial configuration; from 3.17 on, the inertia of the island in the current
+/// configuration.
 pub(super) fn inertia_of(m: &Model, d: &Data, trees: &[usize]) -> f64 {
     let plan = m.plan();
     match m.revision {
@@ -277,7 +280,7 @@ pub(super) fn inertia_of(m: &Model, d: &Data, trees: &[usize]) -> f64 {
     }
 }
 
-/// Iterates on the forces of an island. Returns the number of iterations.
+/// Updates the forces of an island until the solver stops. Returns the number of iterations.
 #[inline(always)]
 fn iterate(m: &Model, d: &Data, s: &mut Buffers, scale: f64) -> usize {
     let (n, nefc) = (s.rows.len(), d.efc.nefc());
@@ -306,7 +309,8 @@ fn iterate(m: &Model, d: &Data, s: &mut Buffers, scale: f64) -> usize {
         vector.extend(rows.iter().map(|row| s.force.as_flattened()[*row]));
     }
 
-    // slices, because the compiler cannot know that a write to `force` leaves the vectors in place
+    // use slices: otherwise the compiler loads the vectors' addresses again after each write to
+    // `force`
     let (steps, ar) = (&s.steps[..n], &s.ar[..nefc * stride]);
     let (force, before, momentum) = (
         &mut s.force[..stride],
@@ -333,8 +337,8 @@ fn iterate(m: &Model, d: &Data, s: &mut Buffers, scale: f64) -> usize {
             (*before, *momentum) = (now, start);
         }
 
-        // draws the next order here, because the updates wait for one another and leave the CPU
-        // idle
+        // draw the next order in this loop: each update waits for the previous update, which leaves
+        // time on the CPU
         order.copy_from_slice(next_order);
         let mut improvement = 0.0;
         for (&i, next) in order.iter().zip((0..n).rev()) {

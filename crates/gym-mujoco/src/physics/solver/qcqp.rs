@@ -1,5 +1,5 @@
-//! The friction of an elliptic cone with a given normal force: the minimum of a quadratic form
-//! within an ellipsoid.
+//! The friction of an elliptic cone for a given normal force. It minimises a quadratic form within
+//! an ellipsoid.
 
 use crate::Revision;
 use crate::physics::dense::dot_slices;
@@ -8,11 +8,11 @@ use crate::physics::spatial::MINVAL;
 /// Numbers below this count as zero.
 const LEAST: f64 = 1e-10;
 
-/// Most Newton steps.
+/// The largest number of Newton steps.
 const STEPS: usize = 20;
 
-/// Sets the friction `force[1..]` for the normal force `force[0]`, with the quadratic form of the
-/// matrix `a` and the vector `b`: MuJoCo's `solveQCQP`.
+/// Sets the friction `force[1..]` for the normal force `force[0]`. The matrix `a` and the vector
+/// `b` define the quadratic form: MuJoCo's `solveQCQP`.
 pub(super) fn friction(force: &mut [f64], a: &[f64], b: &[f64], mu: &[f64; 5], revision: Revision) {
     let (normal, n) = (force[0], b.len());
     let (v, active) = match n {
@@ -26,14 +26,15 @@ pub(super) fn friction(force: &mut [f64], a: &[f64], b: &[f64], mu: &[f64; 5], r
     }
 }
 
-/// Scales friction that is outside the ellipsoid of a normal force: MuJoCo's `projectEllipsoid`.
+/// Scales `friction` onto the ellipsoid of the normal force `normal`, if `friction` is outside:
+/// MuJoCo's `projectEllipsoid`.
 pub(super) fn limit(friction: &mut [f64], normal: f64, mu: &[f64; 5]) {
     if square(friction, mu) > normal * normal {
         scale(friction, normal, mu);
     }
 }
 
-/// Scales friction onto the ellipsoid.
+/// Scales `friction` onto the ellipsoid.
 fn scale(friction: &mut [f64], normal: f64, mu: &[f64; 5]) {
     let factor = (normal * normal / f64::max(MINVAL, square(friction, mu))).sqrt();
     friction.iter_mut().for_each(|x| *x *= factor);
@@ -44,8 +45,9 @@ fn square(friction: &[f64], mu: &[f64; 5]) -> f64 {
     terms.fold(0.0, |sum, term| sum + term)
 }
 
-/// Newton's method on the multiplier of the ellipsoid. For a multiplier, `solve` gives the scaled
-/// minimum, how far it is outside, and the slope of this; `None` if the matrix is not definite.
+/// Runs Newton's method on the Lagrange multiplier of the ellipsoid. For a multiplier, `solve`
+/// returns the scaled minimum, the minimum's excess over the ellipsoid, and the derivative of the
+/// excess; `None` if the matrix is not definite.
 fn search<const N: usize>(
     d: &[f64; 5],
     mut solve: impl FnMut(f64) -> Option<([f64; N], f64, f64)>,

@@ -1,25 +1,26 @@
-//! One contact of many worlds at once, between a static and a moving body. Each operation is that
-//! of [`Constraint::solve_velocity`]; branches become selects.
+//! One contact of many worlds at once, between a static and a dynamic body.
+//! [`Constraint::solve_velocity`] makes the same operations in the same order; masks replace its
+//! branches.
 //!
-//! The static body's velocity is 0, but its terms `0 × lever` are kept and subtracted: they decide
-//! the sign of a zero.
+//! The static body's velocity is 0. Its terms `0 × lever arm` are nevertheless subtracted, because
+//! the subtraction decides the sign of a zero.
 
 use fearless_simd::Simd;
 
 use super::{Constraint, Velocity, cross_scalar};
 use crate::physics::box2d::lane_bodies::Bodies;
-use crate::physics::box2d::wide::{Mask, Pair, Row, Strip, Wide, rows};
+use crate::physics::box2d::wide::{Chunk, Mask, Pair, Row, Wide, rows};
 
 rows! {
-    /// A contact point; `still` is the static body's term `0 × lever`.
+    /// A contact point. `static_x`, `static_y`: the static body's term `0 × lever arm`.
     struct PointRows {
-        r_x, r_y, still_x, still_y,
+        r_x, r_y, static_x, static_y,
         normal_impulse, tangent_impulse, normal_mass, tangent_mass, bias,
     }
 }
 
 rows! {
-    /// The data that the points share.
+    /// The data that both points share.
     struct ContactRows {
         count, // number of points; 0 in the lane of a world without this contact
         friction, normal_x, normal_y,
@@ -33,7 +34,7 @@ rows! {
 pub(in crate::physics::box2d) struct WideContact {
     rows: ContactRows,
     points: [PointRows; 2],
-    /// Whether any lane has one point, and whether any lane has two.
+    /// Whether some lane has one point, and whether some lane has two.
     counts: [bool; 2],
 }
 
@@ -75,8 +76,8 @@ impl WideContact {
             for (row, x) in [
                 (&mut rows.r_x, point.r_b.x),
                 (&mut rows.r_y, point.r_b.y),
-                (&mut rows.still_x, still.x),
-                (&mut rows.still_y, still.y),
+                (&mut rows.static_x, still.x),
+                (&mut rows.static_y, still.y),
                 (&mut rows.normal_impulse, point.normal_impulse),
                 (&mut rows.tangent_impulse, point.tangent_impulse),
                 (&mut rows.normal_mass, point.normal_mass),
@@ -97,133 +98,133 @@ impl WideContact {
         }
     }
 
-    /// Makes one iteration of this contact, whose moving body is `body`.
+    /// Makes one velocity iteration of this contact, whose dynamic body is `body`.
     #[inline(always)]
-    pub(in crate::physics::box2d) fn sweep<S: Simd, const R: usize>(
+    pub(in crate::physics::box2d) fn solve_velocity<S: Simd, const R: usize>(
         &mut self,
-        strip: Strip<S, R>,
+        chunk: Chunk<S, R>,
         bodies: &mut Bodies,
         body: usize,
     ) {
-        let (m, i) = bodies.masses(strip, body);
-        let (before_v, before_w) = bodies.load(strip, body);
+        let (m, i) = bodies.masses(chunk, body);
+        let (before_v, before_w) = bodies.load(chunk, body);
         let (mut v, mut w) = (before_v, before_w);
-        let count = strip.load(&self.rows.count);
-        let (one, two) = (strip.same(0.5).lt(count), strip.same(1.5).lt(count));
-        let normal = pair(strip, &self.rows.normal_x, &self.rows.normal_y);
+        let count = chunk.load(&self.rows.count);
+        let (one, two) = (chunk.same(0.5).lt(count), chunk.same(1.5).lt(count));
+        let normal = pair(chunk, &self.rows.normal_x, &self.rows.normal_y);
         let tangent = normal.cross_one();
-        let friction = strip.load(&self.rows.friction);
+        let friction = chunk.load(&self.rows.friction);
 
-        // masks keep the numbers of points that a lane does not have
+        // `active`: the lanes that have point `k`; the other lanes keep their values
         for k in 0..if self.counts[1] { 2 } else { 1 } {
-            let (point, there) = (&mut self.points[k], if k == 0 { one } else { two });
-            let vt = point.relative(strip, v, w).dot(tangent);
-            let max = friction * strip.load(&point.normal_impulse);
-            let old = strip.load(&point.tangent_impulse);
-            let new = (old + strip.load(&point.tangent_mass) * -vt).clamp(-max, max);
+            let (point, active) = (&mut self.points[k], if k == 0 { one } else { two });
+            let vt = point.relative(chunk, v, w).dot(tangent);
+            let max = friction * chunk.load(&point.normal_impulse);
+            let old = chunk.load(&point.tangent_impulse);
+            let new = (old + chunk.load(&point.tangent_mass) * -vt).clamp(-max, max);
             let p = tangent.times(new - old);
-            point.tangent_impulse.set(strip, there, new);
-            v = there.choose(v + p.times(m), v);
-            w = there.select(w + i * pair(strip, &point.r_x, &point.r_y).cross(p), w);
+            point.tangent_impulse.set(chunk, active, new);
+            v = active.choose(v + p.times(m), v);
+            w = active.select(w + i * pair(chunk, &point.r_x, &point.r_y).cross(p), w);
         }
 
         let (mut end_v, mut end_w) = (v, w);
         if self.counts[0] {
             let single = one & !two;
             let point = &mut self.points[0];
-            let vn = point.relative(strip, v, w).dot(normal);
-            let lambda = -strip.load(&point.normal_mass) * (vn - strip.load(&point.bias));
-            let old = strip.load(&point.normal_impulse);
-            let new = (old + lambda).max(strip.same(0.0));
+            let vn = point.relative(chunk, v, w).dot(normal);
+            let lambda = -chunk.load(&point.normal_mass) * (vn - chunk.load(&point.bias));
+            let old = chunk.load(&point.normal_impulse);
+            let new = (old + lambda).max(chunk.same(0.0));
             let p = normal.times(new - old);
-            point.normal_impulse.set(strip, single, new);
+            point.normal_impulse.set(chunk, single, new);
             end_v = single.choose(v + p.times(m), end_v);
-            end_w = single.select(w + i * pair(strip, &point.r_x, &point.r_y).cross(p), end_w);
+            end_w = single.select(w + i * pair(chunk, &point.r_x, &point.r_y).cross(p), end_w);
         }
         if self.counts[1] {
             let [p1, p2] = &mut self.points;
-            let old = pair(strip, &p1.normal_impulse, &p2.normal_impulse);
-            let vn1 = p1.relative(strip, v, w).dot(normal);
-            let vn2 = p2.relative(strip, v, w).dot(normal);
+            let old = pair(chunk, &p1.normal_impulse, &p2.normal_impulse);
+            let vn1 = p1.relative(chunk, v, w).dot(normal);
+            let vn2 = p2.relative(chunk, v, w).dot(normal);
             let (k11, k12, k22) = (
-                strip.load(&self.rows.k11),
-                strip.load(&self.rows.k12),
-                strip.load(&self.rows.k22),
+                chunk.load(&self.rows.k11),
+                chunk.load(&self.rows.k12),
+                chunk.load(&self.rows.k22),
             );
             let k_old = Pair {
                 x: k11 * old.x + k12 * old.y,
                 y: k12 * old.x + k22 * old.y,
             };
             let b = Pair {
-                x: vn1 - strip.load(&p1.bias),
-                y: vn2 - strip.load(&p2.bias),
+                x: vn1 - chunk.load(&p1.bias),
+                y: vn2 - chunk.load(&p2.bias),
             } - k_old;
-            let masses = (strip.load(&p1.normal_mass), strip.load(&p2.normal_mass));
-            let (x, solved) = self.rows.solve_block(strip, masses, b);
-            let there = two & solved;
+            let masses = (chunk.load(&p1.normal_mass), chunk.load(&p2.normal_mass));
+            let (x, solved) = self.rows.solve_block(chunk, masses, b);
+            let active = two & solved;
             let d = x - old;
             let (impulse1, impulse2) = (normal.times(d.x), normal.times(d.y));
-            let (r1, r2) = (pair(strip, &p1.r_x, &p1.r_y), pair(strip, &p2.r_x, &p2.r_y));
-            p1.normal_impulse.set(strip, there, x.x);
-            p2.normal_impulse.set(strip, there, x.y);
-            end_v = there.choose(v + (impulse1 + impulse2).times(m), end_v);
-            end_w = there.select(w + i * (r1.cross(impulse1) + r2.cross(impulse2)), end_w);
+            let (r1, r2) = (pair(chunk, &p1.r_x, &p1.r_y), pair(chunk, &p2.r_x, &p2.r_y));
+            p1.normal_impulse.set(chunk, active, x.x);
+            p2.normal_impulse.set(chunk, active, x.y);
+            end_v = active.choose(v + (impulse1 + impulse2).times(m), end_v);
+            end_w = active.select(w + i * (r1.cross(impulse1) + r2.cross(impulse2)), end_w);
         }
-        bodies.store(strip, body, end_v, end_w);
+        bodies.store(chunk, body, end_v, end_w);
     }
 }
 
 #[inline(always)]
-fn pair<S: Simd, const R: usize>(strip: Strip<S, R>, x: &Row, y: &Row) -> Pair<S, R> {
+fn pair<S: Simd, const R: usize>(chunk: Chunk<S, R>, x: &Row, y: &Row) -> Pair<S, R> {
     Pair {
-        x: strip.load(x),
-        y: strip.load(y),
+        x: chunk.load(x),
+        y: chunk.load(y),
     }
 }
 
 impl Row {
-    /// Sets the lanes of `mask` to `x`.
+    /// Sets the lanes in `mask` to `x`.
     #[inline(always)]
     fn set<S: Simd, const R: usize>(
         &mut self,
-        strip: Strip<S, R>,
+        chunk: Chunk<S, R>,
         mask: Mask<S, R>,
         x: Wide<S, R>,
     ) {
-        strip.store(self, mask.select(x, strip.load(self)));
+        chunk.store(self, mask.select(x, chunk.load(self)));
     }
 }
 
 impl PointRows {
-    /// Returns the velocity of the moving body at the point, relative to the static body.
+    /// Returns the dynamic body's velocity at the point, relative to the static body.
     #[inline(always)]
     fn relative<S: Simd, const R: usize>(
         &self,
-        strip: Strip<S, R>,
+        chunk: Chunk<S, R>,
         v: Pair<S, R>,
         w: Wide<S, R>,
     ) -> Pair<S, R> {
-        v + pair(strip, &self.r_x, &self.r_y).turned_by(w)
-            - pair(strip, &self.still_x, &self.still_y)
+        v + pair(chunk, &self.r_x, &self.r_y).turned_by(w)
+            - pair(chunk, &self.static_x, &self.static_y)
     }
 }
 
 impl ContactRows {
-    /// Solves the four cases of [`solve_block`](super::solve_block); the mask tells which lanes
-    /// have a solution.
+    /// Tries the four cases of [`solve_block`](super::solve_block) in each lane. The mask selects
+    /// the lanes that have a solution.
     #[inline(always)]
     fn solve_block<S: Simd, const R: usize>(
         &self,
-        strip: Strip<S, R>,
+        chunk: Chunk<S, R>,
         (mass1, mass2): (Wide<S, R>, Wide<S, R>),
         b: Pair<S, R>,
     ) -> (Pair<S, R>, Mask<S, R>) {
-        let zero = strip.same(0.0);
-        let k12 = strip.load(&self.k12);
+        let zero = chunk.same(0.0);
+        let k12 = chunk.load(&self.k12);
         let (i11, i12, i22) = (
-            strip.load(&self.inverse11),
-            strip.load(&self.inverse12),
-            strip.load(&self.inverse22),
+            chunk.load(&self.inverse11),
+            chunk.load(&self.inverse12),
+            chunk.load(&self.inverse22),
         );
         let both = -Pair {
             x: i11 * b.x + i12 * b.y,
@@ -253,7 +254,7 @@ impl Constraint {
         self.b.index
     }
 
-    /// Returns the moving body's index in the island, if the first body is static and at rest.
+    /// Returns the dynamic body's index in the island, if the first body is static and at rest.
     /// Bodies with indices from `dynamic` on are static.
     pub(in crate::physics::box2d) fn moving_body(
         &self,

@@ -1,11 +1,11 @@
-//! One revolute joint of many worlds at once. Each operation is that of
-//! [`Constraint::solve_velocity`]; branches become selects.
+//! One revolute joint of many worlds at once. [`Constraint::solve_velocity`] makes the same
+//! operations in the same order; masks replace its branches.
 
 use fearless_simd::Simd;
 
 use super::{Constraint, LimitState};
 use crate::physics::box2d::lane_bodies::Bodies;
-use crate::physics::box2d::wide::{Mask, Pair, Strip, Wide, rows};
+use crate::physics::box2d::wide::{Chunk, Mask, Pair, Wide, rows};
 
 rows! {
     /// One joint, in all lanes.
@@ -15,16 +15,16 @@ rows! {
         cross_x, cross_y, cross_z, // ey × ez
         det3, det2,
         motor_mass, motor_speed, max_motor_impulse,
-        held, // 1 at a limit, else 0
+        at_limit, // 1 at a limit, else 0
         sense, // the sign of a limit impulse that pushes; 0 if both signs are allowed
         impulse_x, impulse_y, impulse_z, motor_impulse,
     }
 }
 
-/// The limit's state and impulses in the lanes of a strip.
+/// The changes of a joint's impulses, and the lanes whose joint is at a limit.
 struct Limit<S: Simd, const R: usize> {
-    held: Mask<S, R>,
-    /// The changes of the impulses of point constraint and limit.
+    at_limit: Mask<S, R>,
+    /// The changes of the impulses of the point constraint (`p`) and of the limit (`z`).
     p: Pair<S, R>,
     z: Wide<S, R>,
 }
@@ -32,7 +32,7 @@ struct Limit<S: Simd, const R: usize> {
 impl WideJoint {
     /// Loads `c`, a joint with a motor, into `lane`.
     pub(in crate::physics::box2d) fn load(&mut self, lane: usize, c: &Constraint) {
-        let (held, sense) = match c.limit_state {
+        let (at_limit, sense) = match c.limit_state {
             LimitState::Inactive => (0.0, 0.0),
             LimitState::AtLower => (1.0, 1.0),
             LimitState::AtUpper => (1.0, -1.0),
@@ -57,7 +57,7 @@ impl WideJoint {
             (&mut self.motor_mass, c.motor_mass),
             (&mut self.motor_speed, c.motor_speed),
             (&mut self.max_motor_impulse, c.max_motor_impulse),
-            (&mut self.held, held),
+            (&mut self.at_limit, at_limit),
             (&mut self.sense, sense),
             (&mut self.impulse_x, c.impulse.x),
             (&mut self.impulse_y, c.impulse.y),
@@ -76,86 +76,89 @@ impl WideJoint {
         c.motor_impulse = self.motor_impulse.0[lane];
     }
 
-    /// Makes one iteration of the joint between bodies `a` and `b`.
+    /// Makes one velocity iteration of the joint between bodies `a` and `b`.
     #[inline(always)]
-    pub(in crate::physics::box2d) fn sweep<S: Simd, const R: usize>(
+    pub(in crate::physics::box2d) fn solve_velocity<S: Simd, const R: usize>(
         &mut self,
-        strip: Strip<S, R>,
+        chunk: Chunk<S, R>,
         bodies: &mut Bodies,
         (a, b): (usize, usize),
     ) {
-        let ((m_a, i_a), (m_b, i_b)) = (bodies.masses(strip, a), bodies.masses(strip, b));
+        let ((m_a, i_a), (m_b, i_b)) = (bodies.masses(chunk, a), bodies.masses(chunk, b));
         let ((mut v_a, mut w_a), (mut v_b, mut w_b)) =
-            (bodies.load(strip, a), bodies.load(strip, b));
+            (bodies.load(chunk, a), bodies.load(chunk, b));
         let (r_a, r_b) = (
-            strip.pair(&self.r_ax, &self.r_ay),
-            strip.pair(&self.r_bx, &self.r_by),
+            chunk.pair(&self.r_ax, &self.r_ay),
+            chunk.pair(&self.r_bx, &self.r_by),
         );
 
-        let cdot = w_b - w_a - strip.load(&self.motor_speed);
-        let old = strip.load(&self.motor_impulse);
-        let max = strip.load(&self.max_motor_impulse);
-        let new = (old + -strip.load(&self.motor_mass) * cdot).clamp(-max, max);
-        strip.store(&mut self.motor_impulse, new);
+        let cdot = w_b - w_a - chunk.load(&self.motor_speed);
+        let old = chunk.load(&self.motor_impulse);
+        let max = chunk.load(&self.max_motor_impulse);
+        let new = (old + -chunk.load(&self.motor_mass) * cdot).clamp(-max, max);
+        chunk.store(&mut self.motor_impulse, new);
         let applied = new - old;
         w_a = w_a - i_a * applied;
         w_b = w_b + i_b * applied;
 
         let cdot = v_b + r_b.turned_by(w_b) - v_a - r_a.turned_by(w_a);
-        let held = strip.same(0.0).lt(strip.load(&self.held));
-        let Limit { held, p, z } = if held.any() {
-            self.solve_limit(strip, held, cdot, w_b - w_a)
+        let at_limit = chunk.same(0.0).lt(chunk.load(&self.at_limit));
+        let Limit { at_limit, p, z } = if at_limit.any() {
+            self.solve_limit(chunk, at_limit, cdot, w_b - w_a)
         } else {
-            // (x + -0 = x for every x)
+            // -0 changes no sum, not even the sign of a zero
             Limit {
-                held,
-                p: self.solve22(strip, -cdot),
-                z: strip.same(-0.0),
+                at_limit,
+                p: self.solve22(chunk, -cdot),
+                z: chunk.same(-0.0),
             }
         };
-        let impulse = strip.pair(&self.impulse_x, &self.impulse_y) + p;
-        strip.store(&mut self.impulse_x, impulse.x);
-        strip.store(&mut self.impulse_y, impulse.y);
-        let impulse_z = strip.load(&self.impulse_z);
-        strip.store(&mut self.impulse_z, held.select(impulse_z + z, impulse_z));
+        let impulse = chunk.pair(&self.impulse_x, &self.impulse_y) + p;
+        chunk.store(&mut self.impulse_x, impulse.x);
+        chunk.store(&mut self.impulse_y, impulse.y);
+        let impulse_z = chunk.load(&self.impulse_z);
+        chunk.store(
+            &mut self.impulse_z,
+            at_limit.select(impulse_z + z, impulse_z),
+        );
         v_a = v_a - p.times(m_a);
         w_a = w_a - i_a * (r_a.cross(p) + z);
         v_b = v_b + p.times(m_b);
         w_b = w_b + i_b * (r_b.cross(p) + z);
-        bodies.store(strip, a, v_a, w_a);
-        bodies.store(strip, b, v_b, w_b);
+        bodies.store(chunk, a, v_a, w_a);
+        bodies.store(chunk, b, v_b, w_b);
     }
 
-    /// Solves point constraint and limit together, in the lanes whose joint is at a limit.
+    /// Solves the point constraint: in the lanes of `at_limit` together with the limit.
     #[inline(always)]
     fn solve_limit<S: Simd, const R: usize>(
         &self,
-        strip: Strip<S, R>,
-        held: Mask<S, R>,
+        chunk: Chunk<S, R>,
+        at_limit: Mask<S, R>,
         cdot: Pair<S, R>,
         cdot_angle: Wide<S, R>,
     ) -> Limit<S, R> {
-        let zero = strip.same(0.0);
-        let impulse_z = strip.load(&self.impulse_z);
-        let (full, full_z) = self.solve33(strip, cdot, cdot_angle);
+        let zero = chunk.same(0.0);
+        let impulse_z = chunk.load(&self.impulse_z);
+        let (full, full_z) = self.solve33(chunk, cdot, cdot_angle);
         let (full, full_z) = (-full, -full_z);
-        // a limit only pushes: solve the point constraint alone
-        let pulls = (strip.load(&self.sense) * (impulse_z + full_z)).lt(zero);
-        let ez = strip.pair(&self.ezx, &self.ezy);
+        // a limit only pushes: where the limit would pull, solve the point constraint alone
+        let pulls = (chunk.load(&self.sense) * (impulse_z + full_z)).lt(zero);
+        let ez = chunk.pair(&self.ezx, &self.ezy);
         let right = pulls.choose(-cdot + ez.times(impulse_z), -cdot);
-        let p = (held & !pulls).choose(full, self.solve22(strip, right));
-        let z = held.select(pulls.select(-impulse_z, full_z), strip.same(-0.0));
-        Limit { held, p, z }
+        let p = (at_limit & !pulls).choose(full, self.solve22(chunk, right));
+        let z = at_limit.select(pulls.select(-impulse_z, full_z), chunk.same(-0.0));
+        Limit { at_limit, p, z }
     }
 
     #[inline(always)]
-    fn solve22<S: Simd, const R: usize>(&self, strip: Strip<S, R>, b: Pair<S, R>) -> Pair<S, R> {
+    fn solve22<S: Simd, const R: usize>(&self, chunk: Chunk<S, R>, b: Pair<S, R>) -> Pair<S, R> {
         let (exx, eyx, eyy) = (
-            strip.load(&self.exx),
-            strip.load(&self.eyx),
-            strip.load(&self.eyy),
+            chunk.load(&self.exx),
+            chunk.load(&self.eyx),
+            chunk.load(&self.eyy),
         );
-        let det = strip.load(&self.det2);
+        let det = chunk.load(&self.det2);
         Pair {
             x: det * (eyy * b.x - eyx * b.y),
             y: det * (exx * b.y - eyx * b.x),
@@ -165,23 +168,23 @@ impl WideJoint {
     #[inline(always)]
     fn solve33<S: Simd, const R: usize>(
         &self,
-        strip: Strip<S, R>,
+        chunk: Chunk<S, R>,
         b: Pair<S, R>,
         bz: Wide<S, R>,
     ) -> (Pair<S, R>, Wide<S, R>) {
         let (exx, eyx, ezx) = (
-            strip.load(&self.exx),
-            strip.load(&self.eyx),
-            strip.load(&self.ezx),
+            chunk.load(&self.exx),
+            chunk.load(&self.eyx),
+            chunk.load(&self.ezx),
         );
         let (eyy, ezy, ezz) = (
-            strip.load(&self.eyy),
-            strip.load(&self.ezy),
-            strip.load(&self.ezz),
+            chunk.load(&self.eyy),
+            chunk.load(&self.ezy),
+            chunk.load(&self.ezz),
         );
-        let det = strip.load(&self.det3);
-        let (cross_x, cross_y) = (strip.load(&self.cross_x), strip.load(&self.cross_y));
-        let x = det * (b.x * cross_x + b.y * cross_y + bz * strip.load(&self.cross_z));
+        let det = chunk.load(&self.det3);
+        let (cross_x, cross_y) = (chunk.load(&self.cross_x), chunk.load(&self.cross_y));
+        let x = det * (b.x * cross_x + b.y * cross_y + bz * chunk.load(&self.cross_z));
         let b_ez = (
             b.y * ezz - bz * ezy,
             bz * ezx - b.x * ezz,

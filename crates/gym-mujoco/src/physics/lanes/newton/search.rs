@@ -12,9 +12,10 @@ use crate::physics::solver::line_search;
 use crate::physics::spatial::MINVAL;
 
 impl Newton {
-    /// Searches the worlds until the minimum is bracketed, and writes step lengths and
-    /// improvements. Returns the bits of the worlds that still must search within their bracket,
-    /// and the linear term, quadratic term and flat slope that this takes.
+    /// Searches in all worlds together until each minimum is found or bracketed, and writes step
+    /// lengths and improvements. Returns a bit for each world whose search must continue within the
+    /// bracket, and the arguments of [`finish_search`](Self::finish_search): linear term, quadratic
+    /// term, and the slope that counts as zero.
     #[inline(always)]
     pub(super) fn search<S: Simd>(
         &mut self,
@@ -83,7 +84,7 @@ impl Newton {
         let ahead = Lanes::select(slope.lt(zero), one, -one);
         let mut walks = open & (slope * ahead).le(-flat);
         let mut stuck = Lanes::<S>::but_not(open, walks);
-        // Newton steps in one direction, until the minimum is passed
+        // take Newton steps in one direction until they pass the minimum
         while Lanes::<S>::any(walks) && evaluations < opt.ls_iterations {
             let next = alpha - slope / curvature;
             let (c, s, k) = point(next);
@@ -106,7 +107,8 @@ impl Newton {
         (Lanes::<S>::bits(stuck), along)
     }
 
-    /// Finishes the search within the bracket, world by world. This is rare.
+    /// Finishes the search of the worlds `stuck` within their brackets, world by world, because few
+    /// worlds need this.
     pub(super) fn finish_search(
         &mut self,
         m: &Model,

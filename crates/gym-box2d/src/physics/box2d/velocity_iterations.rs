@@ -1,11 +1,11 @@
-//! Velocity iterations ("sweeps"), and a shortcut for repeating ones.
+//! The velocity iterations of an island, and a shortcut for iterations that repeat.
 //!
-//! The result of an iteration depends on the velocities and contact impulses at its start, and on
-//! the joints' impulses only if they reach a bound. After some iterations, velocities and contact
-//! impulses stop changing, or alternate between two states that differ in their last bits. From
-//! then on each iteration adds the same amounts to the joints' impulses as the iteration two before
-//! it. The shortcut makes only these additions, as long as the same bounds are reached. The bits
-//! equal those of complete iterations.
+//! The result of an iteration depends on the velocities and contact impulses at its start. It
+//! depends on a joint's impulses only if the impulses reach a bound. After some iterations,
+//! velocities and contact impulses stop changing, or alternate between two states that differ in
+//! their last bits. From then on each iteration adds the same amounts to the joints' impulses as
+//! the last iteration but one. As long as the impulses reach the same bounds, the shortcut makes
+//! only these additions. The bits equal those of complete iterations.
 
 use super::contact_solver::Constraint as Contact;
 use super::joint::{Constraint as Joint, Increment};
@@ -19,16 +19,16 @@ struct Start {
     impulses: Vec<[f32; 4]>,
 }
 
-/// Working memory.
+/// The working memory of the velocity iterations.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct Sweeps {
+pub(crate) struct VelocityIterations {
     /// The starts of the last two iterations.
     starts: [Start; 2],
     /// The changes of the joints' impulses in the last two iterations.
     increments: [Vec<Increment>; 2],
 }
 
-impl Sweeps {
+impl VelocityIterations {
     pub(crate) fn new() -> Self {
         let start = || Start {
             velocities: Vec::with_capacity(BODIES),
@@ -68,7 +68,7 @@ impl Start {
 }
 
 /// Makes one iteration: all joints, then all contacts.
-pub(crate) fn sweep(joints: &mut [Joint], contacts: &mut [Contact], velocities: &mut [Velocity]) {
+pub(crate) fn iterate(joints: &mut [Joint], contacts: &mut [Contact], velocities: &mut [Velocity]) {
     for joint in joints {
         joint.solve_velocity(velocities);
     }
@@ -77,17 +77,17 @@ pub(crate) fn sweep(joints: &mut [Joint], contacts: &mut [Contact], velocities: 
     }
 }
 
-impl Sweeps {
-    /// Has the effect of `sweeps` iterations.
+impl VelocityIterations {
+    /// Gives the result of `iterations` velocity iterations.
     pub(crate) fn run(
         &mut self,
-        sweeps: u32,
+        iterations: u32,
         joints: &mut [Joint],
         contacts: &mut [Contact],
         velocities: &mut [Velocity],
     ) {
         self.starts.iter_mut().for_each(Start::clear);
-        let mut left = sweeps;
+        let mut left = iterations;
         while left > 0 {
             let slot = (left % 2) as usize;
             self.starts[slot].set(velocities, contacts);
@@ -112,8 +112,8 @@ impl Sweeps {
         }
     }
 
-    /// Applies the impulse changes of repeating iterations; returns the number of iterations that
-    /// remain to be made completely.
+    /// Applies the impulse changes of the iterations that repeat, of `left` iterations. Returns the
+    /// number of iterations that remain.
     fn repeat(&self, mut left: u32, joints: &mut [Joint]) -> u32 {
         let mut unchanged = 0;
         while left > 0 {

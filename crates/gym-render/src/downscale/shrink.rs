@@ -2,7 +2,7 @@
 
 use gym_core::render::Frame;
 
-use super::windows::{Layout, WRITTEN_OUT, Window, Written, mark};
+use super::windows::{EXPANDED, Expanded, Layout, Window, mark};
 use crate::pixels::{self, RGB};
 use crate::pygame::{Phase, part, phases};
 
@@ -11,30 +11,32 @@ type Sum = [u16; 4];
 
 /// Reduces rows, and sums them.
 ///
-/// Most windows have the same colour as in the row above, and most pixels of the frame the colour
-/// of the pixel above. If the frame's rows consist of complete surface rows, a window is *loose* as
-/// long as it has a single colour and had no other colour in the previous row of the frame: it has
-/// no sum, and its pixel is copied from above.
+/// Most windows have the same colour as in the row above, and most pixels of the frame have the
+/// colour of the pixel above. If each row of the frame consists of complete rows of the surface,
+/// only some windows are *summed*: a window is not summed as long as it has a single colour and had
+/// no other colour in the previous row of the frame. The pixel of a window that is not summed is
+/// copied from above.
 #[derive(Debug, Default)]
 pub(super) struct Shrink {
     pub(super) layout: Layout,
     columns: Vec<Phase>,
     rows: Vec<Phase>,
-    /// The windows of the previous row: their colours (or [`WRITTEN_OUT`]), and a bit for each
-    /// expanded window.
+    /// The windows of the previous row: for each its colour or [`EXPANDED`] (`before`), and a bit
+    /// for each expanded window (`marks`).
     before: Vec<u32>,
     marks: Vec<u64>,
-    /// The last single colour of each window, and its reduced pixel. Few change from row to row.
+    /// The last single colour of each window (`colors`), and the pixel to which a window of this
+    /// colour is reduced (`solid`).
     colors: Vec<u32>,
-    plain: Vec<Sum>,
-    /// The row from which on `plain` is not yet added to `sums`.
+    solid: Vec<Sum>,
+    /// For each window, the first row whose pixel is not yet added to `sums`.
     since: Vec<u16>,
-    /// A narrow row.
+    /// A row of the surface, reduced horizontally.
     narrow: Vec<Sum>,
-    /// The sums of the rows so far.
+    /// The sums of the narrow rows of the current row of the frame.
     sums: Vec<Sum>,
-    /// A bit for each window that is not loose.
-    tight: Vec<u64>,
+    /// A bit for each window that is summed.
+    summed: Vec<u64>,
     /// A bit for each window that had more than one colour in the current row of the frame.
     mixed: Vec<u64>,
     /// Whether each row of the frame consists of complete surface rows.
@@ -52,8 +54,8 @@ impl Shrink {
         self.since.clear();
         self.since.resize(to.0, 0);
         let words = to.0 / 64 + 1;
-        self.tight.clear();
-        self.tight.resize(words, u64::MAX);
+        self.summed.clear();
+        self.summed.resize(words, u64::MAX);
         self.mixed.clear();
         self.mixed.resize(words, 0);
         if (self.layout.from, self.layout.to) == (from, to) {
@@ -88,16 +90,17 @@ impl Shrink {
         };
         self.before = vec![0; to.0];
         self.marks = vec![0; words];
-        // black, which stays black
+        // black is reduced to black
         self.colors = vec![0; to.0];
-        self.plain = vec![[0; 4]; to.0];
+        self.solid = vec![[0; 4]; to.0];
     }
 
-    /// Adds a row of the surface; completes a row of the frame with its last row.
+    /// Adds a row of the surface. The last row of the surface that belongs to a row of the frame
+    /// completes the row of the frame.
     pub(super) fn row<const N: usize>(
         &mut self,
         flat: &[u32],
-        pixels: &[Written<N>],
+        pixels: &[Expanded<N>],
         frame: &mut Frame,
     ) {
         let (y, k) = self.at;
@@ -109,17 +112,17 @@ impl Shrink {
         for word in 0..self.marks.len() {
             let marks = self.marks[word];
             self.mixed[word] |= marks;
-            for i in Bits(marks & !self.tight[word]) {
-                self.tighten(64 * word + i, &phase);
+            for i in Bits(marks & !self.summed[word]) {
+                self.start_sum(64 * word + i, &phase);
             }
             if y < phase.last {
                 for i in Bits(marks) {
                     let window = 64 * word + i;
                     let mean = mean(&self.columns[window], &pixels[window]);
-                    // `add_plain` will add the plain pixel, so it is subtracted here
-                    let (sum, plain) = (&mut self.sums[window], self.plain[window]);
-                    for (sum, (mean, plain)) in sum.iter_mut().zip(mean.into_iter().zip(plain)) {
-                        *sum = sum.wrapping_add(mean).wrapping_sub(plain);
+                    // `add_solid` will add `solid` for this row too, so subtract it here
+                    let (sum, solid) = (&mut self.sums[window], self.solid[window]);
+                    for (sum, (mean, solid)) in sum.iter_mut().zip(mean.into_iter().zip(solid)) {
+                        *sum = sum.wrapping_add(mean).wrapping_sub(solid);
                     }
                 }
             }
@@ -129,30 +132,30 @@ impl Shrink {
         }
         self.at.1 += 1;
         if self.is_whole && k > 0 {
-            self.complete_tight(pixels, &phase, frame);
+            self.complete_summed(pixels, &phase, frame);
         } else {
             let next_share = self.rows.get(k + 1).map_or(0, |next| next.first_share);
             self.complete_all(pixels, &phase, next_share, frame);
         }
         if self.is_whole {
-            std::mem::swap(&mut self.tight, &mut self.mixed);
+            std::mem::swap(&mut self.summed, &mut self.mixed);
             self.mixed.fill(0);
         }
     }
 
-    /// Starts the sum of a loose window, which is then no longer loose.
+    /// Starts the sum of a window, if the window is not summed yet.
     #[inline]
-    fn tighten(&mut self, window: usize, phase: &Phase) {
+    fn start_sum(&mut self, window: usize, phase: &Phase) {
         let (word, bit) = (window / 64, 1 << (window % 64));
-        if self.tight[word] & bit == 0 {
-            self.tight[word] |= bit;
+        if self.summed[word] & bit == 0 {
+            self.summed[word] |= bit;
             self.since[window] = phase.begin as u16;
             self.sums[window] = [0; 4];
         }
     }
 
-    /// Handles the windows whose colour differs from the row above: adds their old pixel to the
-    /// sums.
+    /// Handles the windows whose colour differs from the row above: adds the old colour's pixel to
+    /// the sums, for the rows so far.
     fn change_colors(&mut self, flat: &[u32], phase: &Phase) {
         const MANY: usize = 32;
         for (flat, start) in flat.chunks(MANY).zip((0..).step_by(MANY)) {
@@ -165,7 +168,7 @@ impl Shrink {
             for i in Bits(changed) {
                 let (window, color) = (start + i, flat[i]);
                 let bit = 1 << (window % 64);
-                if color == WRITTEN_OUT {
+                if color == EXPANDED {
                     self.marks[window / 64] |= bit;
                     continue;
                 }
@@ -179,41 +182,41 @@ impl Shrink {
 
     fn change_color(&mut self, window: usize, color: u32, phase: &Phase) {
         let y = self.at.0 as u16 - 1;
-        self.tighten(window, phase);
+        self.start_sum(window, phase);
         self.mixed[window / 64] |= 1 << (window % 64);
         self.colors[window] = color;
-        self.add_plain(window, y);
+        self.add_solid(window, y);
         let columns = &self.columns[window];
-        self.plain[window] = apart(color).map(|value| {
+        self.solid[window] = apart(color).map(|value| {
             let whole = value.wrapping_mul((columns.last - columns.begin) as u16);
             columns.mean(value, whole, value).into()
         });
     }
 
-    /// Adds the plain pixel of a window to its sum, for the rows from `since` up to `y`.
+    /// Adds `solid` to the sum of a window, for the rows from `since` up to, but excluding, `y`.
     #[inline]
-    fn add_plain(&mut self, window: usize, y: u16) {
+    fn add_solid(&mut self, window: usize, y: u16) {
         let rows = y - std::mem::replace(&mut self.since[window], y);
-        let (sum, plain) = (&mut self.sums[window], self.plain[window]);
-        for (sum, plain) in sum.iter_mut().zip(plain) {
-            *sum = sum.wrapping_add(plain.wrapping_mul(rows));
+        let (sum, solid) = (&mut self.sums[window], self.solid[window]);
+        for (sum, solid) in sum.iter_mut().zip(solid) {
+            *sum = sum.wrapping_add(solid.wrapping_mul(rows));
         }
     }
 
-    /// Completes a row of the frame without loose windows. The last row of the surface may also
-    /// count for the next row of the frame.
+    /// Completes a row of the frame in which all windows are summed. A part `next_share` of the
+    /// surface's last row counts for the next row of the frame.
     fn complete_all<const N: usize>(
         &mut self,
-        pixels: &[Written<N>],
+        pixels: &[Expanded<N>],
         phase: &Phase,
         next_share: u16,
         frame: &mut Frame,
     ) {
         for window in 0..self.sums.len() {
-            self.add_plain(window, phase.last as u16);
+            self.add_solid(window, phase.last as u16);
         }
         self.since.fill(phase.last as u16 + 1);
-        self.narrow.copy_from_slice(&self.plain);
+        self.narrow.copy_from_slice(&self.solid);
         for word in 0..self.marks.len() {
             for i in Bits(self.marks[word]) {
                 let window = 64 * word + i;
@@ -236,30 +239,31 @@ impl Shrink {
         }
     }
 
-    /// Completes a row of the frame; copies its loose windows from the row above.
-    fn complete_tight<const N: usize>(
+    /// Completes a row of the frame. Copies the pixels of windows that are not summed from the row
+    /// above.
+    fn complete_summed<const N: usize>(
         &mut self,
-        pixels: &[Written<N>],
+        pixels: &[Expanded<N>],
         phase: &Phase,
         frame: &mut Frame,
     ) {
         let bytes = self.layout.to.0 * RGB;
         let (above, row) = frame.pixels_mut()[(self.at.1 - 2) * bytes..].split_at_mut(bytes);
         row[..bytes].copy_from_slice(above);
-        for word in 0..self.tight.len() {
+        for word in 0..self.summed.len() {
             let marks = self.marks[word];
-            for i in Bits(self.tight[word]) {
+            for i in Bits(self.summed[word]) {
                 let window = 64 * word + i;
-                let Some(&plain) = self.plain.get(window) else {
+                let Some(&solid) = self.solid.get(window) else {
                     break;
                 };
                 let is_marked = marks & 1 << i != 0;
                 let values = if is_marked {
                     mean(&self.columns[window], &pixels[window])
                 } else {
-                    plain
+                    solid
                 };
-                self.add_plain(window, phase.last as u16);
+                self.add_solid(window, phase.last as u16);
                 self.since[window] += 1;
                 let sum = std::mem::take(&mut self.sums[window]);
                 for (pixel, (sum, v)) in row[window * RGB..][..RGB]
@@ -279,7 +283,7 @@ fn is_equal(a: &[u32], b: &[u32]) -> bool {
     a.iter().zip(b).fold(0, |differ, (a, b)| differ | (a ^ b)) == 0
 }
 
-/// Returns a bit for each of up to 64 numbers that changed.
+/// Compares up to 64 numbers; returns a bit for each number that changed.
 #[inline]
 fn changes(now: &[u32], before: &[u32]) -> u64 {
     let bits = now.iter().zip(before).zip(0..);
@@ -302,15 +306,15 @@ impl Iterator for Bits {
     }
 }
 
-/// Unpacks the channels of a pixel.
+/// Unpacks the channels of a packed colour.
 #[inline]
 fn apart(pixel: u32) -> Sum {
     pixel.to_le_bytes().map(u16::from)
 }
 
-/// Returns the mean of an expanded window.
+/// Returns the pixel to which an expanded window is reduced.
 #[inline]
-fn mean<const N: usize>(phase: &Phase, window: &Written<N>) -> Sum {
+fn mean<const N: usize>(phase: &Phase, window: &Expanded<N>) -> Sum {
     let last = phase.last - phase.first;
     let marks = mark::<N>(phase.begin - phase.first..last);
     let mut mean = [0; 4];

@@ -1,5 +1,5 @@
-//! Costs and forces of rows in models with equality constraints, dry friction or elliptic cones,
-//! where rows do more than push.
+//! Costs and forces of rows in models with equality constraints, dry friction or elliptic cones.
+//! (In all other models, rows only push: see [`cost_of_rows`](super::cost_of_rows).)
 
 #![expect(
     clippy::needless_range_loop,
@@ -9,19 +9,19 @@
 use crate::physics::constraint::{Block, Kind, Source};
 use crate::{Contact, Revision};
 
-/// The properties of an island's rows.
+/// The properties of an island's rows on which costs and forces depend.
 #[derive(Clone, Copy)]
-pub(super) struct Law<'a> {
+pub(super) struct RowCosts<'a> {
     pub(super) blocks: &'a [Block],
     pub(super) d: &'a [f64],
     pub(super) r: &'a [f64],
-    /// Forces of dry friction, up to the last row that has one.
+    /// The friction losses, up to the last row of dry friction.
     pub(super) loss: &'a [f64],
     pub(super) contacts: &'a [Contact],
     pub(super) revision: Revision,
 }
 
-/// The piece of the cost function that a row is on: MuJoCo's `mjtConstraintState`.
+/// The piece of the cost function to which a row's residual belongs: MuJoCo's `mjtConstraintState`.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) enum State {
     #[default]
@@ -32,7 +32,8 @@ pub(crate) enum State {
     Cone,
 }
 
-/// The second derivatives of a cone's cost by its residuals, and the index of its first row.
+/// The second derivatives of a cone's cost with respect to the residuals, and the index of the
+/// cone's first row.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct ConeHessian {
     pub(super) row: usize,
@@ -40,7 +41,7 @@ pub(super) struct ConeHessian {
     pub(super) matrix: [[f64; 6]; 6],
 }
 
-impl Law<'_> {
+impl RowCosts<'_> {
     fn contact(&self, block: &Block) -> Option<&Contact> {
         match block.source {
             Source::Contact(index) => self.contacts.get(index),
@@ -155,7 +156,7 @@ impl Law<'_> {
                 )
             }
             Revision::V4_0 => {
-                // scaled to the unit direction of sliding
+                // the unit vector of the sliding direction
                 let u = u.map(|u| u / t);
                 for j in 1..dim {
                     force[i + j] = -force[i] * u[j] * friction[j - 1];
@@ -173,14 +174,14 @@ impl Law<'_> {
     }
 }
 
-/// The length of a vector, in the order of MuJoCo's `mju_norm`.
+/// Returns the length of a vector, in the order of MuJoCo's `mju_norm`.
 fn norm(v: &[f64]) -> f64 {
     crate::physics::dense::dot_slices(v, v).sqrt()
 }
 
-/// The second derivatives of a cone's cost. `u` is the direction of sliding, whose length may
-/// differ from 1; `first`, `bend` and `straight` account for this length in the first row, the
-/// products, and the diagonal.
+/// Returns the second derivatives of a cone's cost. `u` is the direction of sliding. Its length may
+/// differ from 1, so the first row, the products and the diagonal have the factors `first`, `bend`
+/// and `straight`, which depend on the length.
 fn cone_hessian(
     u: &[f64; 6],
     first: f64,
@@ -219,7 +220,8 @@ fn cone_hessian(
     h
 }
 
-/// The cost of a block of rows along a search direction: MuJoCo's `PrimalPrepare`.
+/// The cost of a block of rows as a function of the step length along a search direction: MuJoCo's
+/// `PrimalPrepare`.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Piece {
     /// The coefficients of the step length and of its square.
@@ -231,8 +233,8 @@ pub(crate) enum Piece {
         bound: f64,
         d: f64,
     },
-    /// The residual at the start, its change with the step length, and the coefficients of the
-    /// cost.
+    /// The residual at step length 0, its change per unit of the step length, and the coefficients
+    /// of the cost.
     Limit {
         start: f64,
         along: f64,
@@ -241,7 +243,9 @@ pub(crate) enum Piece {
     Cone(Cone),
 }
 
-/// An elliptic cone along a direction.
+/// The cost of an elliptic cone along a search direction. As in MuJoCo, `u` and `v` are the normal
+/// residual and its change; `uu`, `uv` and `vv` are products of the tangential residuals and their
+/// changes.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Cone {
     quad: [f64; 3],
@@ -252,11 +256,11 @@ pub(crate) struct Cone {
     vv: f64,
     dm: f64,
     mu: f64,
-    /// From 4.0 on: each tangential residual with its change, and their number.
+    /// From 4.0 on: the tangential residuals, each with its change, and their number.
     parts: Option<([[f64; 2]; 5], usize)>,
 }
 
-impl Law<'_> {
+impl RowCosts<'_> {
     pub(super) fn prepare(&self, jar: &[f64], jv: &[f64], pieces: &mut Vec<Piece>) {
         pieces.clear();
         for block in self.blocks {
@@ -323,8 +327,8 @@ impl Law<'_> {
     }
 }
 
-/// At a step length: the cost relative to the start, its slope and its curvature: MuJoCo's
-/// `PrimalEval`. `quad` has the coefficients of the smooth part of the cost.
+/// Returns the cost at the step length `alpha` relative to step length 0, its slope and its
+/// curvature: MuJoCo's `PrimalEval`. `quad` has the coefficients of the smooth part of the cost.
 pub(super) fn evaluate(pieces: &[Piece], alpha: f64, mut quad: [f64; 3]) -> [f64; 3] {
     let (mut cost, mut slope, mut curvature) = (0.0, 0.0, 0.0);
     for piece in pieces {
@@ -379,7 +383,7 @@ pub(super) fn evaluate(pieces: &[Piece], alpha: f64, mut quad: [f64; 3]) -> [f64
     [cost, slope, curvature]
 }
 
-/// The piece of a dry friction cost: -1 and 1 are linear, 0 is quadratic.
+/// Returns the piece of the cost of dry friction: -1 and 1 are linear, 0 is quadratic.
 fn zone(x: f64, bound: f64) -> i8 {
     if -bound < x && x < bound {
         0
@@ -419,7 +423,7 @@ enum Zone {
 }
 
 impl Cone {
-    /// The zone, and the tangential length, from the normal part `n` and the square of the
+    /// Returns the zone and the tangential length, given the normal part `n` and the square of the
     /// tangential length.
     fn zone(&self, n: f64, square: f64) -> (Zone, f64) {
         if square <= 0.0 {
@@ -437,7 +441,7 @@ impl Cone {
         (zone, t)
     }
 
-    /// The normal part and the square of the tangential length at a step length.
+    /// Returns the normal part and the square of the tangential length at the step length `alpha`.
     fn at(&self, alpha: f64) -> (f64, f64) {
         let square = if let Some((parts, number)) = &self.parts {
             let moved = parts[..*number].iter().map(|[u, v]| u + alpha * v);
@@ -448,7 +452,7 @@ impl Cone {
         (self.u + alpha * self.v, square)
     }
 
-    /// The change of the square of the tangential length since the start.
+    /// Returns the change of the square of the tangential length from step length 0 to `alpha`.
     fn growth(&self, alpha: f64) -> f64 {
         if let Some((parts, number)) = &self.parts {
             let parts = parts[..*number].iter();
@@ -458,7 +462,7 @@ impl Cone {
         }
     }
 
-    /// The change of the cost since the start: MuJoCo's `ellipticCostDif`.
+    /// Returns the change of the cost from step length 0 to `alpha`: MuJoCo's `ellipticCostDif`.
     fn difference(&self, alpha: f64) -> f64 {
         let Self { quad, mu, dm, .. } = *self;
         let (start, t0) = self.zone(self.u, self.uu);
@@ -517,8 +521,9 @@ impl Cone {
         }
     }
 
-    /// The product of the tangential residuals and their change. Then the square of the part of the
-    /// change that is perpendicular to the residuals.
+    /// Returns the scalar product of the tangential residuals and their changes, and the square of
+    /// the part of the changes that is perpendicular to the residuals. `length` is the length of
+    /// the residuals.
     fn slide(&self, alpha: f64, length: f64) -> (f64, f64) {
         let Some((parts, number)) = &self.parts else {
             return (0.0, 0.0);

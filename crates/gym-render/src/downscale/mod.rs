@@ -1,14 +1,14 @@
-//! A large pygame surface that is reduced to a frame without ever being stored whole.
+//! A large pygame surface that is downscaled to a frame. The whole surface is never stored.
 //!
-//! Calls are recorded until the surface is complete. It is then drawn in bands of a few rows, which
-//! fit the CPU's cache: each row is reduced horizontally, and the narrow rows are summed
-//! vertically.
+//! Calls are recorded until the drawing is complete. The surface is then drawn in bands of a few
+//! rows, which fit into the CPU's cache: each row is reduced horizontally, and the narrow rows are
+//! summed vertically.
 //!
-//! The pixels of a row that are reduced to one pixel form a *window*; two neighbours share the
-//! pixel between them. Nearly all windows have a single colour and are stored as that colour. A
-//! window is expanded to pixels when an edge between colours or an antialiased pixel falls into it,
-//! and has a single colour again when a run covers it. [`band`] draws, [`shrink`] reduces windows
-//! to the frame's pixels.
+//! The pixels of a row that are reduced to one pixel form a *window*. Two adjacent windows share
+//! the pixel between them. Nearly all windows have a single colour, and only this colour is stored.
+//! A window becomes *expanded* (its pixels are stored) when an edge between colours or an
+//! antialiased pixel falls into the window. It has a single colour again when a run of pixels
+//! covers it. [`mod@band`] draws; [`shrink`] reduces windows to the frame's pixels.
 
 mod band;
 mod shrink;
@@ -23,29 +23,28 @@ use crate::pygame;
 use band::Band;
 use shrink::Shrink;
 
-/// Rows of a band: few enough to stay in the cache, enough to outweigh the cost of each call per
-/// band.
+/// The number of rows of a band: few enough for the cache, and enough to repeat each call rarely.
 const BAND: usize = pygame::MOST_ROWS;
 
-/// Largest shrink factor: beyond it the sums would overflow.
-pub(crate) const MOST_SHRUNK: usize = 256;
+/// The largest factor of reduction. With a larger factor, the sums would overflow.
+pub(crate) const MAX_FACTOR: usize = 256;
 
 /// A surface and the calls that draw it. It reuses its buffers between frames.
 #[derive(Debug, Default)]
-pub(crate) struct Sheet {
+pub(crate) struct DownscaledSurface {
     width: usize,
     height: usize,
     background: u32,
     calls: Vec<Call>,
     points: Vec<Point>,
     shrink: Shrink,
-    /// The colours of the windows of a band, row by row.
+    /// For each window of a band, row by row: its colour, or [`EXPANDED`](windows::EXPANDED).
     flat: Vec<u32>,
     /// The pixels of each expanded window of a band, with equal space for each window.
     pixels: Vec<u8>,
 }
 
-/// A call, and the positions of its points.
+/// A call, and the range of its points in `points`.
 #[derive(Clone, Debug)]
 struct Call {
     kind: Kind,
@@ -54,7 +53,7 @@ struct Call {
     flipped: bool,
     /// The frame's rows that the call may draw on.
     rows: Range<usize>,
-    /// The frame's rows that the call covers completely.
+    /// The frame's rows that the call colours completely.
     covers: Range<usize>,
 }
 
@@ -80,7 +79,7 @@ enum Kind {
     },
 }
 
-impl Sheet {
+impl DownscaledSurface {
     /// Starts a black surface.
     pub(crate) fn begin(&mut self, (width, height): (u32, u32)) {
         (self.width, self.height) = (width as usize, height as usize);
@@ -200,7 +199,7 @@ impl Sheet {
         }
     }
 
-    /// Returns the frame's rows that contain the surface's rows `low..=high`.
+    /// Returns the surface's rows `low..=high`, counted from the top.
     fn rows(&self, low: i64, high: i64, flipped: bool) -> Range<usize> {
         let place = |row: i64| row.clamp(0, self.height as i64) as usize;
         let (low, high) = (place(low), place(high + 1));
@@ -211,7 +210,8 @@ impl Sheet {
         }
     }
 
-    /// Returns the frame's rows that a polygon covers completely, if this is cheap to compute.
+    /// Returns the rows (counted from the top) that a polygon covers completely, or an empty range
+    /// if this is not cheap to compute.
     fn covered(&self, points: &[Point], flipped: bool) -> Range<usize> {
         let &[a, b, c, d] = points else { return 0..0 };
         let (width, height) = (self.width as f64, self.height as f64);
@@ -227,7 +227,8 @@ impl Sheet {
                 0..0
             };
         }
-        // all corners of the surface are on the same side of all edges, at some distance
+        // the polygon covers the surface if all corners of the surface are on the same side of all
+        // edges, at some distance
         const AWAY: f64 = 4.0;
         let corners = [[0.0, 0.0], [width, 0.0], [width, height], [0.0, height]];
         let side = |from: Point, to: Point, p: Point| {
@@ -295,7 +296,8 @@ impl Sheet {
                 };
                 let mut band = Band {
                     rows: rows.start as i32..rows.end as i32,
-                    // the index of the surface's row 0, and the step to the next row
+                    // the row of the band at which the surface's row 0 would lie, and the step to
+                    // the next row
                     origin: if flipped {
                         height as isize - 1 - top as isize
                     } else {
@@ -323,8 +325,8 @@ impl Sheet {
     }
 }
 
-/// Returns the end of the band that begins at row `top`, and the number of calls up to the last one
-/// that covers the whole band: earlier calls are invisible.
+/// Returns the end of the band that begins at row `top`, and the number of calls up to and
+/// including the last call that covers the whole band. Earlier calls are invisible.
 fn band(calls: &[Call], top: usize, height: usize) -> (usize, usize) {
     let mut bottom = (top + BAND).min(height);
     let mut first = 0;
@@ -344,7 +346,8 @@ fn band(calls: &[Call], top: usize, height: usize) -> (usize, usize) {
 }
 
 impl Call {
-    /// Returns the call's primitive; `None` for a call that was merged from two.
+    /// Returns the call's primitive; `None` for a [`Kind::GfxPolygon`], which is merged from two
+    /// primitives.
     fn primitive<'a>(&self, points: &'a [Point]) -> Option<Primitive<'a>> {
         let points = &points[self.points.clone()];
         let first = points.first().copied().unwrap_or_default();

@@ -5,7 +5,7 @@ use super::{CompiledModel, Disable, EqualityType, ObjectType, Softness};
 
 /// All such constraints, in the order of their rows.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct Laws {
+pub(crate) struct ModelConstraints {
     pub(crate) equalities: Vec<Equality>,
     /// Dry friction of degrees of freedom.
     pub(crate) dof_frictions: Vec<Scalar>,
@@ -38,17 +38,17 @@ pub(crate) struct Scalar {
     pub(crate) loss: f64,
 }
 
-impl Laws {
+impl ModelConstraints {
     pub(crate) fn new(m: &CompiledModel) -> Self {
         let on = |part| !m.opt.disables(Disable::Constraint) && !m.opt.disables(part);
-        let mut laws = Self::default();
+        let mut constraints = Self::default();
         if on(Disable::Equality) {
             let active = (0..m.neq()).filter(|&i| m.eq_active0[i]);
-            laws.equalities = active.map(|i| equality(m, i)).collect();
+            constraints.equalities = active.map(|i| equality(m, i)).collect();
         }
         if on(Disable::FrictionLoss) {
             let rough = (0..m.nv()).filter(|&i| m.dof_frictionloss[i] != 0.0);
-            laws.dof_frictions = rough
+            constraints.dof_frictions = rough
                 .map(|i| Scalar {
                     id: i,
                     softness: Softness::new(m.dof_solref[i], m.dof_solimp[i], &m.opt),
@@ -57,7 +57,7 @@ impl Laws {
                 })
                 .collect();
             let rough = (0..m.ntendon()).filter(|&t| m.tendon_frictionloss[t] > 0.0);
-            laws.tendon_frictions = rough
+            constraints.tendon_frictions = rough
                 .map(|t| Scalar {
                     id: t,
                     softness: Softness::new(m.tendon_solref_fri[t], m.tendon_solimp_fri[t], &m.opt),
@@ -68,7 +68,7 @@ impl Laws {
         }
         if on(Disable::Limit) {
             let limited = (0..m.ntendon()).filter(|&t| m.tendon_limited[t]);
-            laws.tendon_limits = limited
+            constraints.tendon_limits = limited
                 .map(|t| Scalar {
                     id: t,
                     softness: Softness::new(m.tendon_solref_lim[t], m.tendon_solimp_lim[t], &m.opt),
@@ -77,11 +77,11 @@ impl Laws {
                 })
                 .collect();
         }
-        laws
+        constraints
     }
 
     /// Whether some constraints can pull as well as push.
-    pub(crate) fn pull(&self) -> bool {
+    pub(crate) fn can_pull(&self) -> bool {
         !self.equalities.is_empty()
             || !self.dof_frictions.is_empty()
             || !self.tendon_frictions.is_empty()

@@ -2,10 +2,10 @@
 
 use std::ops::Range;
 
-use super::MOST_SHRUNK;
+use super::MAX_FACTOR;
 
-/// The colour value that marks an expanded window; no colour has this value.
-pub(super) const WRITTEN_OUT: u32 = u32::MAX;
+/// The value that marks an expanded window instead of a colour. No packed colour has this value.
+pub(super) const EXPANDED: u32 = u32::MAX;
 
 /// The first and the last pixel of a window.
 #[derive(Clone, Copy, Debug)]
@@ -22,22 +22,22 @@ pub(super) struct Layout {
     pub(super) to: (usize, usize),
     /// One window per pixel of the narrow row.
     pub(super) windows: Vec<Window>,
-    /// For the border left of each pixel: the window that contains it; at the row's ends the
-    /// nearest one.
+    /// For the left border of each pixel, and the right end of the row: the window that contains
+    /// the border, or the nearest window at the ends of the row.
     pub(super) border: Vec<u16>,
     /// The number of pixels of the widest window.
     pub(super) widest: usize,
 }
 
-/// Space for the pixels of any window, in complete vector registers.
-pub(super) const MOST: usize = MOST_SHRUNK + 16;
+/// The space for the pixels of the widest window, in complete vector registers.
+pub(super) const MOST: usize = MAX_FACTOR + 16;
 
 /// The pixels of an expanded window: all reds, all greens and all blues. Entries beyond the
 /// window's end are unused.
-pub(super) type Written<const N: usize> = [[u8; N]; 3];
+pub(super) type Expanded<const N: usize> = [[u8; N]; 3];
 
-/// Returns a mask that is 255 for some pixels of a window and 0 for the others. It has no branch,
-/// which could be mispredicted.
+/// Returns a mask: 255 for the window's pixels in `pixels`, 0 for the others. The code has no
+/// branch, because the CPU would often mispredict it.
 #[inline]
 pub(super) fn mark<const N: usize>(pixels: Range<usize>) -> [u8; N] {
     static STEP: [u8; 2 * MOST] = {

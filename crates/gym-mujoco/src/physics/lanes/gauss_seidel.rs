@@ -1,5 +1,5 @@
-//! Projected Gauss-Seidel, world by world: the order in which it visits rows depends on their
-//! number, which differs between worlds.
+//! Projected Gauss-Seidel, world by world. The solver visits rows in an order that depends on the
+//! number of rows, which differs between worlds.
 
 use fearless_simd::Simd;
 use gym_core::math::{Lanes, Real};
@@ -9,15 +9,15 @@ use crate::libm::wide;
 use crate::physics::solver::forces_of_one_tree;
 use crate::{Data, Model};
 
-/// The Gauss-Seidel solver of one world, called for each world in turn.
+/// The solver of one world, which is called for each world in turn.
 #[derive(Clone, Debug)]
-pub(super) struct Alone {
+pub(super) struct GaussSeidel {
     data: Box<Data>,
     /// The forces of the constraint rows, for all worlds.
     pub(super) force: Vec<Row>,
 }
 
-impl Alone {
+impl GaussSeidel {
     pub(super) fn new(m: &Model) -> Self {
         Self {
             data: Box::new(Data::new(m)),
@@ -25,7 +25,7 @@ impl Alone {
         }
     }
 
-    /// Computes `qacc` and `qfrc_constraint` for the worlds in the register at `at`.
+    /// Computes `qacc` and `qfrc_constraint` of the worlds in the register `at`.
     pub(super) fn solve<S: Simd>(&mut self, m: &Model, at: Place<S>, a: &mut Arrays, rows: &Rows) {
         let (simd, first) = at;
         if self.force.len() < rows.used {
@@ -57,7 +57,7 @@ impl Alone {
         );
     }
 
-    /// Computes the row forces and `qfrc_constraint` of world `world`.
+    /// Computes the forces of the constraint rows and `qfrc_constraint` of world `world`.
     fn forces(&mut self, m: &Model, a: &mut Arrays, rows: &Rows, world: usize) {
         let (d, nv, count) = (&mut *self.data, m.nv(), rows.count[world]);
         for i in 0..nv {

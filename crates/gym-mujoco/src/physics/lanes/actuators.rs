@@ -1,5 +1,5 @@
-//! Actuator forces and tendon springs that depend on positions: servos, and springs of fixed
-//! tendons.
+//! Actuator forces and tendon springs that depend on positions: position servos, and springs of
+//! fixed tendons.
 
 use fearless_simd::Simd;
 use gym_core::math::{Lanes, Real};
@@ -8,8 +8,8 @@ use super::{Arrays, Place, load, same, store};
 use crate::Model;
 use crate::model::TransmissionType;
 
-/// For each joint of a fixed tendon: the index of its position, the index of its degree of freedom,
-/// and its coefficient.
+/// Iterates over the joints of a fixed tendon: the index of the joint in `qpos`, the index in
+/// `qvel`, and the coefficient.
 fn parts(m: &Model, tendon: usize) -> impl Iterator<Item = (usize, usize, f64)> {
     let first = m.tendon_adr[tendon];
     (first..first + m.tendon_num[tendon]).map(|w| {
@@ -33,13 +33,13 @@ pub(super) fn fit(m: &Model) -> bool {
 
 /// Whether worlds that step together compute tendon lengths and velocities: all tendons are fixed,
 /// with at most three joints each.
-pub(super) fn shows(m: &Model) -> bool {
+pub(super) fn can_measure_tendons(m: &Model) -> bool {
     let paths = &m.plan().paths;
     paths.fixed.iter().all(|&fixed| fixed) && paths.rows.iter().all(|row| row.len() < 4)
 }
 
-/// The number of controls that a world stores: none if every actuator force follows from its
-/// control alone.
+/// Returns the number of controls that a world stores: 0 if every actuator force depends on the
+/// control only, because the record then has the forces.
 pub(super) fn inputs(m: &Model) -> usize {
     if m.plan().steady { 0 } else { m.nu() }
 }
@@ -71,8 +71,8 @@ impl Arrays {
         }
     }
 
-    /// Computes actuator forces from controls and positions. Adding a force of zero is safe: a sum
-    /// that starts with zero is never -0.
+    /// Computes the actuator forces from controls and positions. Adding a force of zero changes no
+    /// bit, because a sum that starts at zero is never -0.
     #[inline(always)]
     pub(super) fn actuate<S: Simd>(&mut self, m: &Model, at: Place<S>) {
         for force in &mut self.qfrc_actuator {
@@ -105,9 +105,9 @@ impl Arrays {
         }
     }
 
-    /// Adds the spring forces of tendons.
+    /// Adds the spring forces of tendons to `qfrc_passive`.
     #[inline(always)]
-    pub(super) fn pull<S: Simd>(&mut self, m: &Model, at: Place<S>) {
+    pub(super) fn add_tendon_springs<S: Simd>(&mut self, m: &Model, at: Place<S>) {
         for &(tendon, stiffness, _) in &m.plan().paths.elastic {
             let length = self.tendon_length(m, at, tendon);
             let [lower, upper] = m.tendon_lengthspring[tendon];

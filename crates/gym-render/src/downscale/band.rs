@@ -1,10 +1,10 @@
-//! Drawing on some rows of a surface, which are stored as windows.
+//! Draws on some rows of a surface, which are stored as windows.
 
 use std::ops::Range;
 
 use gym_core::canvas::Color;
 
-use super::windows::{Layout, WRITTEN_OUT, Window, Written, mark};
+use super::windows::{EXPANDED, Expanded, Layout, Window, mark};
 use crate::pygame::Pixels;
 
 /// Returns the red, green and blue of a packed colour.
@@ -16,16 +16,17 @@ fn channels(color: u32) -> [u8; 3] {
 
 /// Some rows of a surface, with space for `N` pixels per window.
 ///
-/// `N` is a constant, so work on all pixels of a window is a few instructions without a loop.
+/// `N` is a constant, so that work on all pixels of a window compiles to a few instructions without
+/// a loop.
 pub(super) struct Band<'a, const N: usize> {
     pub(super) rows: Range<i32>,
     pub(super) origin: isize,
     pub(super) step: isize,
     pub(super) color: u32,
-    /// The colours of the windows, row by row, or [`WRITTEN_OUT`].
+    /// For each window, row by row: its colour, or [`EXPANDED`].
     pub(super) flat: &'a mut [u32],
-    /// The pixels of the windows that are [`WRITTEN_OUT`].
-    pub(super) pixels: &'a mut [Written<N>],
+    /// The pixels of the expanded windows.
+    pub(super) pixels: &'a mut [Expanded<N>],
     pub(super) layout: &'a Layout,
 }
 
@@ -35,7 +36,7 @@ impl<const N: usize> Band<'_, N> {
         (self.origin + self.step * y as isize) as usize
     }
 
-    /// Returns the windows of a pixel: two if neighbours share it, otherwise the same window twice.
+    /// Returns the first and the last window that contain the pixel `x`.
     #[inline]
     fn windows_of(&self, x: i32) -> [usize; 2] {
         [x, x + 1].map(|x| usize::from(self.layout.border[x as usize]))
@@ -47,23 +48,23 @@ impl<const N: usize> Band<'_, N> {
         row * self.layout.windows.len() + window
     }
 
-    /// Returns the pixels of a window, expanded if needed; `None` if the window has this band's
-    /// colour, so that drawing changes nothing.
+    /// Returns the pixels of a window, and expands the window if it has a single colour. Returns
+    /// `None` if this colour is the band's colour, because drawing would then change nothing.
     #[inline]
-    fn unless_plain(&mut self, index: usize) -> Option<&mut Written<N>> {
+    fn expand_unless_covered(&mut self, index: usize) -> Option<&mut Expanded<N>> {
         let flat = self.flat[index];
         if flat == self.color {
             return None;
         }
-        Some(self.write_out(index))
+        Some(self.expand(index))
     }
 
     /// Returns the pixels of a window; expands them if the window has a single colour.
     #[inline]
-    fn write_out(&mut self, index: usize) -> &mut Written<N> {
-        let flat = std::mem::replace(&mut self.flat[index], WRITTEN_OUT);
+    fn expand(&mut self, index: usize) -> &mut Expanded<N> {
+        let flat = std::mem::replace(&mut self.flat[index], EXPANDED);
         let pixels = &mut self.pixels[index];
-        if flat != WRITTEN_OUT {
+        if flat != EXPANDED {
             for (channel, value) in pixels.iter_mut().zip(channels(flat)) {
                 *channel = [value; N];
             }
@@ -71,12 +72,12 @@ impl<const N: usize> Band<'_, N> {
         pixels
     }
 
-    /// Colours those pixels of `x1..x2` that are in a window.
+    /// Colours the pixels of the window `window` that are in `x1..x2`.
     #[inline]
     fn fill_part(&mut self, row: usize, window: usize, x1: usize, x2: usize) {
         let (index, color) = (self.index(row, window), self.color);
         let first = usize::from(self.layout.windows[window].first);
-        if let Some(pixels) = self.unless_plain(index) {
+        if let Some(pixels) = self.expand_unless_covered(index) {
             let marks = mark::<N>(x1.saturating_sub(first)..x2 - first);
             for (channel, value) in pixels.iter_mut().zip(channels(color)) {
                 for (pixel, mark) in channel.iter_mut().zip(marks) {
@@ -86,13 +87,13 @@ impl<const N: usize> Band<'_, N> {
         }
     }
 
-    /// Sets windows to the band's colour.
+    /// Sets whole windows to the band's colour.
     #[inline]
     fn flatten(&mut self, row: usize, windows: Range<usize>) {
         let start = self.index(row, 0);
         let flat = &mut self.flat[start..][windows];
-        // in groups of four, the last of which may overlap: faster than a loop over any number of
-        // windows
+        // fill groups of four windows; the last group may overlap the others (faster than single
+        // windows)
         if let Some(end) = flat.last_chunk_mut() {
             *end = [self.color; 4];
             flat.as_chunks_mut().0.fill([self.color; 4]);
@@ -104,7 +105,7 @@ impl<const N: usize> Band<'_, N> {
 
 /// Blends each channel of a pixel: `(d * (256 - weight) + s * weight) >> 8`.
 #[inline]
-fn mix<const N: usize>(pixels: &mut Written<N>, x: usize, color: u32, weight: i32) {
+fn mix<const N: usize>(pixels: &mut Expanded<N>, x: usize, color: u32, weight: i32) {
     for (channel, s) in pixels.iter_mut().zip(channels(color)) {
         if let Some(d) = channel.get_mut(x) {
             *d = ((i32::from(*d) * (256 - weight) + i32::from(s) * weight) >> 8) as u8;
@@ -148,7 +149,7 @@ impl<const N: usize> Pixels for Band<'_, N> {
         let (row, [left, right]) = (self.place(y), self.windows_of(x));
         for window in left..=right {
             let x = x as usize - usize::from(self.layout.windows[window].first);
-            let channels = self.write_out(self.index(row, window)).iter_mut();
+            let channels = self.expand(self.index(row, window)).iter_mut();
             for (channel, s) in channels.zip([color.r, color.g, color.b]) {
                 if let Some(d) = channel.get_mut(x) {
                     *d = f(*d, s);
@@ -163,7 +164,7 @@ impl<const N: usize> Pixels for Band<'_, N> {
         for window in left..=right {
             let first = usize::from(self.layout.windows[window].first);
             // (blending a colour with itself changes nothing)
-            if let Some(pixels) = self.unless_plain(self.index(row, window)) {
+            if let Some(pixels) = self.expand_unless_covered(self.index(row, window)) {
                 mix(pixels, x as usize - first, color, weight);
             }
         }
@@ -176,7 +177,7 @@ impl<const N: usize> Pixels for Band<'_, N> {
         for window in left..=right {
             let Window { first, last } = self.layout.windows[window];
             let [first, last] = [first, last].map(i32::from);
-            if let Some(pixels) = self.unless_plain(self.index(row, window)) {
+            if let Some(pixels) = self.expand_unless_covered(self.index(row, window)) {
                 for x in x1.max(first)..=x2.min(last) {
                     mix(pixels, (x - first) as usize, color, weight(x));
                 }

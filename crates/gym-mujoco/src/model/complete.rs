@@ -50,8 +50,10 @@ impl From<Numbers> for Fluid {
     }
 }
 
-const SOLREF: [f64; 2] = [0.02, 1.0];
-const SOLIMP: [f64; 5] = [0.9, 0.95, 0.001, 0.5, 2.0];
+/// The default reference of constraints: time constant, damping ratio.
+pub(crate) const SOLREF: [f64; 2] = [0.02, 1.0];
+/// The default impedance of constraints: dmin, dmax, width, midpoint, power.
+pub(crate) const SOLIMP: [f64; 5] = [0.9, 0.95, 0.001, 0.5, 2.0];
 
 /// Fills each empty array with `length` copies of `value`.
 fn fill<T: Clone, const N: usize>(length: usize, value: T, arrays: [&mut Vec<T>; N]) {

@@ -159,6 +159,26 @@ fn vector_of(spec: &VectorSpec, make: fn(&EnvSpec) -> Result<ControlEnv>) -> Res
     }
 }
 
+/// The body of that name.
+pub(crate) fn body(m: &Model, name: &str) -> Result<usize> {
+    named("body", name, m.body_id(name))
+}
+
+/// The geom of that name.
+pub(crate) fn geom(m: &Model, name: &str) -> Result<usize> {
+    named("geom", name, m.geom_id(name))
+}
+
+/// The site of that name.
+pub(crate) fn site(m: &Model, name: &str) -> Result<usize> {
+    named("site", name, m.site_id(name))
+}
+
+/// The joint of that name.
+pub(crate) fn joint(m: &Model, name: &str) -> Result<usize> {
+    named("joint", name, m.joint_id(name))
+}
+
 /// The id of a named object, or an error if the model has no such object.
 ///
 /// # Errors

@@ -96,11 +96,6 @@ impl MissionSpace {
         &self.words
     }
 
-    /// Whether every text is an element.
-    pub fn is_any(&self) -> bool {
-        self.any
-    }
-
     /// Whether a text is an element.
     pub fn has(&self, text: &str) -> bool {
         if self.any {

@@ -161,14 +161,12 @@ impl SensorType {
     }
 
     /// Whether the sensor returns a quaternion.
-    #[must_use]
-    pub fn is_quaternion(self) -> bool {
+    fn is_quaternion(self) -> bool {
         matches!(self, Self::FrameQuat | Self::BallQuat)
     }
 
     /// Whether the values are never negative.
-    #[must_use]
-    pub fn is_positive(self) -> bool {
+    pub(crate) fn is_positive(self) -> bool {
         matches!(self, Self::Touch | Self::Rangefinder)
     }
 }

@@ -10,6 +10,7 @@
 mod arguments;
 mod cost;
 mod env;
+mod models;
 mod motion;
 pub mod numpy;
 mod range;
@@ -35,8 +36,9 @@ use gym_core::{Env, EnvExt, Result};
 pub use crate::physics::lanes::{Derived, Stride};
 pub use arguments::{Common, TaskArguments};
 pub use env::{MujocoEnv, Task, Visit};
+pub use models::{load, models};
 pub use range::Range;
-pub use simulation::{Simulation, load, models};
+pub use simulation::Simulation;
 pub use together::{Place, Worlds};
 
 use crate::Data;

@@ -165,6 +165,11 @@ impl Classes {
         actuator
     }
 
+    /// The class that the attribute `class` names; without it, the first.
+    pub(super) fn of(&self, element: &mut Element<'_, '_>) -> Result<&Class> {
+        Ok(&self.0[self.named(element, "class", 0)?])
+    }
+
     /// A class by its number.
     pub(super) fn get(&self, class: usize) -> &Class {
         &self.0[class]

@@ -1,8 +1,8 @@
 //! Pairs of geoms that can touch, and their contact parameters.
 
 use super::mix::Mixed;
-use super::plan::{Plan, Softness, geoms};
-use super::{CompiledModel, Cone, Disable, GeomType};
+use super::plan::Plan;
+use super::{CompiledModel, Cone, Disable, GeomType, Softness};
 use crate::{Error, Result, Revision};
 
 /// Smaller friction is raised to this value: MuJoCo's `mjMINMU`.
@@ -134,8 +134,8 @@ impl Plan {
                     continue;
                 }
                 let first = pairs.len();
-                for g1 in geoms(m, b1) {
-                    for g2 in geoms(m, b2) {
+                for g1 in m.geoms_of(b1) {
+                    for g2 in m.geoms_of(b2) {
                         let meet = m.geom_contype[g1] & m.geom_conaffinity[g2]
                             | m.geom_contype[g2] & m.geom_conaffinity[g1];
                         let known = of_bodies.iter().any(|&i| {
@@ -311,6 +311,12 @@ fn stated_bodies(m: &CompiledModel, i: usize) -> [usize; 2] {
     [b1.min(b2), b1.max(b2)]
 }
 
+/// MuJoCo's number of a pair of bodies.
+pub(crate) fn signature([b1, b2]: [usize; 2]) -> u32 {
+    let (first, second) = (b1.min(b2), b1.max(b2));
+    ((first as u32) << 16) + second as u32
+}
+
 /// The largest number of contacts of two shapes.
 pub(super) fn most_contacts(kind: (GeomType, GeomType)) -> usize {
     match kind {
@@ -330,9 +336,5 @@ fn bodies_collide(m: &CompiledModel, excluded: &[u32], b1: usize, b2: usize) -> 
         && w1 != 0
         && w2 != 0
         && (w1 == parent(w2) || w2 == parent(w1));
-    w1 != w2
-        && !related
-        && excluded
-            .binary_search(&(((b1 as u32) << 16) + b2 as u32))
-            .is_err()
+    w1 != w2 && !related && excluded.binary_search(&signature([b1, b2])).is_err()
 }

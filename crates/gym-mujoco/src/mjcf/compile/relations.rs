@@ -3,7 +3,9 @@
 use crate::mjcf::orientation::unit;
 use crate::mjcf::spec::{Key, Spec, Wrap};
 use crate::mjcf::xml::Place;
-use crate::model::{CompiledModel, EqualityType, GeomType, JointType, ObjectType, WrapType};
+use crate::model::{
+    CompiledModel, EqualityType, GeomType, JointType, ObjectType, WrapType, signature,
+};
 use crate::physics::spatial::{InTurn, Order};
 use crate::{Result, Revision};
 
@@ -27,7 +29,7 @@ pub(super) fn scalar_joint(
     name: &str,
 ) -> Result<usize> {
     let id = named(place, attribute, "joint", &m.names.joint, name)?;
-    if matches!(m.jnt_type[id], JointType::Slide | JointType::Hinge) {
+    if m.jnt_type[id].is_scalar() {
         return Ok(id);
     }
     let reason = format!("{name:?} is free or a ball: only a slide or hinge is supported here");
@@ -47,12 +49,6 @@ pub(super) fn add_excludes(m: &mut CompiledModel, spec: &Spec) -> Result<()> {
     }
     m.exclude_signature.sort_unstable();
     Ok(())
-}
-
-/// MuJoCo's number of a pair of bodies.
-fn signature([b1, b2]: [usize; 2]) -> u32 {
-    let (first, second) = (b1.min(b2), b1.max(b2));
-    ((first as u32) << 16) + second as u32
 }
 
 /// Adds the pairs of geoms, sorted by their bodies.

@@ -344,7 +344,7 @@ impl Data {
         (self.behind, self.is_ahead) = (false, false);
     }
 
-    /// [`reset`](Self::reset) within a call.
+    /// [`reset`](Self::reset) without clearing the record of the last call.
     pub(crate) fn clear(&mut self, m: &Model) {
         self.fit(m);
         let d = &mut *self;
@@ -483,8 +483,8 @@ impl Data {
         self.before = before;
     }
 
-    /// Prepares a timestep that does not store its start, and leaves out frames that it does not
-    /// read.
+    /// Prepares a timestep that neither stores its initial state nor computes the geom and site
+    /// frames that no stage of the timestep reads.
     #[inline]
     pub(crate) fn pass(&mut self, m: &Model) {
         self.fit(m);
@@ -570,7 +570,7 @@ impl Data {
         Ok(())
     }
 
-    /// Resizes every array to the model; arrays of the right length are left alone.
+    /// Resizes every array to the sizes of the model. Arrays of the right length do not change.
     pub(crate) fn fit(&mut self, m: &Model) {
         if self.work.fits(m) {
             return;

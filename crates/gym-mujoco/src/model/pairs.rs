@@ -18,8 +18,8 @@ pub(crate) struct Pair {
     pub(crate) margin: f64,
     /// Contacts act below this distance.
     pub(crate) includemargin: f64,
-    /// The geoms cannot touch if their centres are further apart than this; for a plane, if the
-    /// other centre is higher above it.
+    /// The distance of the centres above which the geoms cannot touch. If one geom is a plane: the
+    /// height of the other geom's centre above the plane.
     pub(crate) reach: f64,
     /// Whether boxes around the geoms must overlap too. MuJoCo skips this test (its middle phase)
     /// for bodies with one geom each, and for pairs that the model lists.
@@ -66,8 +66,8 @@ impl Pair {
 pub(crate) struct Reach {
     pub(crate) geom: [usize; 2],
     pub(crate) plane: bool,
-    /// The largest height of the second centre above a plane, or the square of the largest distance
-    /// of the centres.
+    /// The largest value for which the geoms can touch: of the height of the second centre above
+    /// the plane, or of the squared distance of the centres.
     pub(crate) most: f64,
 }
 

@@ -52,7 +52,8 @@ pub(crate) struct Plan {
     pub(crate) limits: Vec<Limit>,
     /// Equality constraints, dry friction and tendon limits.
     pub(crate) constraints: ModelConstraints,
-    /// Whether all rows only push, so that rows need no type.
+    /// Whether all constraint rows are inequalities: limits, and contacts without elliptic cones.
+    /// Solvers then need not read the type of a row.
     pub(crate) plain: bool,
     /// Tendons.
     pub(crate) paths: Paths,
@@ -88,7 +89,8 @@ pub(crate) struct Plan {
     pub(crate) springs: Vec<usize>,
     /// With a fluid: the bodies with mass, and for each the edges of the box of equal inertia.
     pub(crate) boxes: Vec<(usize, Option<[f64; 3]>)>,
-    /// The free bodies of their own, whose six equations `implicitfast` solves by themselves.
+    /// The bodies with a free joint and no child joints. `implicitfast` solves the six equations of
+    /// each separately.
     pub(crate) free_bodies: Vec<usize>,
     /// The pose of each body in its parent's frame, of its principal axes in its own frame, and of
     /// each site in its body's frame.
@@ -105,7 +107,7 @@ pub(crate) struct Plan {
     pub(crate) anchored: Vec<bool>,
 }
 
-/// A pose in another frame, without the parts that are zero.
+/// Which parts of a relative pose are not the identity.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Placed {
     pub(crate) moved: bool,

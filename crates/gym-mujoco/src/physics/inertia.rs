@@ -180,8 +180,8 @@ fn factor_chunks<const C: usize, const N: usize>(
     }
 }
 
-/// Computes a row of the factors, once the rows of its descendants are done, and returns the
-/// inverse of its diagonal. Elements after the end of the row change too.
+/// Computes row `k` of the factor L, and returns the inverse of the row's diagonal element. The
+/// rows of the descendants of `k` must be complete. Elements after the end of the row change too.
 #[inline(always)]
 fn eliminate<const C: usize>(
     plan: &Plan,
@@ -300,7 +300,7 @@ mod tests {
     use super::*;
     use crate::forward;
 
-    /// Two chains of so many hinges, which bend to all sides.
+    /// Returns a model of two chains of `length` hinges, whose axes alternate between x, y and z.
     fn chains(length: usize) -> Model {
         let body = |i: usize| {
             let axis = ["1 0 0", "0 1 0", "0 0 1"][i % 3];

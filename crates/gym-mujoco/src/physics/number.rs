@@ -85,8 +85,7 @@ pub(crate) trait Number:
     /// Whether each number is zero.
     fn is_zero(self) -> Self::Mask;
 
-    /// `yes` where the mask is set, else `no`. For a single number, only the chosen one is
-    /// computed.
+    /// `yes` where the mask is set, else `no`. For an `f64`, only the chosen operand is computed.
     fn choose<const K: usize>(
         mask: Self::Mask,
         yes: impl FnOnce() -> [Self; K],

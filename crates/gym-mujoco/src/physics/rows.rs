@@ -156,7 +156,7 @@ pub(super) fn mul_quat_axis<O: Order>(q: Quat, a: Vec3) -> Quat {
     ]
 }
 
-/// Adds the row of a joint or tendon equality: one position is a polynomial of another, or
+/// Adds the row of a joint or tendon equality: a position is a polynomial of another position, or
 /// constant.
 fn polynomial(m: &Model, d: &mut Data, constraint: &Equality) {
     let joint = constraint.kind == EqualityType::Joint;

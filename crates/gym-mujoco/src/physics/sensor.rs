@@ -214,7 +214,7 @@ fn of_velocity(m: &Model, d: &mut Data, i: usize) -> Quat {
         }
         SensorType::SubtreeLinVel => three(d.subtree_linvel[id]),
         SensorType::SubtreeAngMom => three(d.subtree_angmom[id]),
-        // where the energy is computed too, the sensor shows the last one
+        // if the model computes the energy, the sensor has the energy of the last evaluation
         _ if computed(m) => one(d.energy[1]),
         _ => one(kinetic(m, d)),
     }

@@ -110,8 +110,8 @@ pub(crate) fn rotate_back<N: Number + Mul<V, Output = N>, V: Copy>(
     ]
 }
 
-/// Functions of quaternions, generic over the order in which four terms are added: it differs
-/// between revisions.
+/// Functions of quaternions, generic over the order of the sum of four terms, which differs between
+/// MuJoCo versions.
 pub(crate) trait Order {
     /// The sum of the terms of a product or a square.
     fn sum<N: Number>(terms: [N; 4]) -> N;

@@ -164,7 +164,8 @@ fn joint<O: Order>(
     }
 }
 
-/// `J' f`; a component of `force` that is zero adds nothing.
+/// Returns the dot product of `moves` and `force`. The sum skips components of `force` that are
+/// zero.
 fn along(moves: Vec3, force: Vec3) -> f64 {
     let mut sum = 0.0;
     for k in 0..3 {

@@ -24,7 +24,8 @@ impl ControlCost {
 
     pub(super) fn of(self, action: &Array) -> f64 {
         let sum = action.as_slice().map(numpy::sum_of_squares_f32);
-        // if the sum overflows single precision, Gymnasium's is infinite
+        // Gymnasium's sum in single precision may overflow to infinity; this sum is in double
+        // precision
         let Some(sum) = sum.filter(|sum| sum.is_finite()) else {
             return self.weight * numpy::sum_of_squares(action.len(), |i| action.data().get_f64(i));
         };

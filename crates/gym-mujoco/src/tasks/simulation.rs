@@ -151,7 +151,8 @@ pub(super) fn uniform_noise(numbers: &mut [f64], initial: &[f64], scale: f64, rn
     }
 }
 
-/// Sets each of `numbers` to `0.0 + scale * standard_normal()`: without noise it is no negative zero.
+/// Sets each of `numbers` to `0.0 + scale * standard_normal()`. The sum turns the `-0.0` of a zero
+/// `scale` into `0.0`.
 pub(super) fn normal_noise(numbers: &mut [f64], scale: f64, rng: &mut Generator) {
     for x in numbers {
         *x = 0.0 + scale * rng.standard_normal();
@@ -169,7 +170,7 @@ pub(super) fn uniform_velocities(numbers: &mut [f64], scale: f64, rng: &mut Gene
 struct BuiltIn {
     name: &'static str,
     text: &'static str,
-    /// One for each of [`Revision::ALL`].
+    /// The compiled model for each of [`Revision::ALL`].
     models: [OnceLock<Arc<Model>>; 2],
 }
 

@@ -41,7 +41,7 @@ struct Crew {
     len: usize,
     /// Whether each world has stepped.
     stepped: Vec<bool>,
-    /// The number of constraint rows of each world in its last step, and the worlds sorted by it.
+    /// The number of constraint rows of each world in its last step.
     rows: Vec<usize>,
     order: Vec<usize>,
 }
@@ -199,7 +199,8 @@ impl Crew {
         self.order
             .sort_unstable_by_key(|&world| (rows[world], world));
         for order in self.order.chunks(lanes::WORLDS) {
-            // a remainder that fills less than half a register is faster one by one
+            // if the remaining worlds fill less than half a register, stepping them one by one is
+            // faster
             let rest = order.len() % width;
             let few = 2 * rest < width;
             let order = &order[..order.len() - if few { rest } else { 0 }];
@@ -233,7 +234,7 @@ mod tests {
         env.episode_data().is_some_and(Data::is_behind)
     }
 
-    /// Nine worlds: eight step together, and the rest of one by itself.
+    /// Of nine worlds, eight step together and one steps alone.
     #[test]
     fn whole_registers_step_together() {
         for level in levels() {

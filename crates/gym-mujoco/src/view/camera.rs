@@ -168,7 +168,7 @@ mod tests {
                 let off = (seen[0] - expected[0])
                     .abs()
                     .max((seen[1] - expected[1]).abs());
-                // its camera is float32
+                // MuJoCo computes its camera in float32
                 assert!(off < 2e-3, "{point:?}: {seen:?} for {expected:?}");
             }
         }

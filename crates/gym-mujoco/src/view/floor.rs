@@ -166,8 +166,8 @@ pub(super) fn shadows(
     }
 }
 
-/// The shadow of a capsule: a half circle around each end. A cylinder's shadow is approximated by
-/// it.
+/// The outline of a capsule's shadow: a half circle around each end. A cylinder's shadow is
+/// approximated by the same outline.
 fn round_outline(model: &Model, data: &Data, g: usize, height: f64) -> [Vec3; CORNERS] {
     let [radius, half, _] = model.geom_size[g];
     let (center, axis) = (data.geom_xpos[g], column(&data.geom_xmat[g], 2));

@@ -352,8 +352,8 @@ fn add_geom(m: &mut CompiledModel, spec: &Spec, body: usize, geom: &Geom) -> Res
     })
 }
 
-/// Refuses a mesh that is more than a picture: the engine does not read its surface. `weighs` says
-/// whether the mass of the geom counts.
+/// Returns an error for a mesh that affects more than rendering, because the engine does not read
+/// its surface. `weighs`: whether the mass of the geom counts.
 fn check_mesh(geom: &Geom, spec: &Spec, weighs: bool) -> Result<()> {
     let error = |name, reason: &str| Err(geom.place.attribute(name, reason));
     let Some(mesh) = &geom.mesh else {

@@ -223,7 +223,8 @@ fn check_names(spec: &Spec) -> Result<()> {
     Ok(())
 }
 
-/// Whether a range is a limit. By default it is one if it is given.
+/// Returns whether a joint, tendon or actuator limit is active. `stated` is the XML attribute. If
+/// the attribute is missing, a limit is active if its range is in the XML.
 fn limited(
     stated: Option<bool>,
     range: [f64; 2],

@@ -84,8 +84,8 @@ pub(super) fn add_pairs(m: &mut CompiledModel, spec: &Spec) -> Result<()> {
         m.pair_geom2.push(g2);
         m.pair_dim.push(pair.condim.unwrap_or(mixed.dim));
         m.pair_friction.push(friction);
-        // between geoms of equal priority, MuJoCo 3.12 takes the smaller numbers, whether direct or
-        // not
+        // for geoms of equal priority, MuJoCo 3.12 takes the elementwise minimum, even of numbers
+        // that are stiffness and damping (negative)
         let solref = if m.revision == Revision::V3_12 && m.geom_priority[g1] == m.geom_priority[g2]
         {
             let (a, b) = (m.geom_solref[g1], m.geom_solref[g2]);
@@ -271,7 +271,7 @@ pub(super) fn add_keys(m: &mut CompiledModel, spec: &Spec) -> Result<()> {
             };
             let (have, need) = (numbers.len(), default.len());
             if (least..=need).contains(&have) {
-                // the rest is as in the initial state
+                // the missing numbers are those of the initial state
                 return Ok([&numbers[..], &default[have..]].concat());
             }
             Err(key

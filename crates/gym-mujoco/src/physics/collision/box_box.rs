@@ -11,7 +11,7 @@ use super::{Hit, Shape};
 const SEPARATION: f64 = 1e-13;
 /// The square of a sine below which edges are parallel.
 const PARALLEL: f64 = 1e-16;
-/// A component of an axis below which its sign says nothing.
+/// The magnitude below which a component of an axis counts as zero.
 const NO_SIGN: f64 = 1e-9;
 /// The square of the relative distance below which two points count as the same.
 const SAME: f64 = 1e-14;
@@ -20,7 +20,8 @@ const EDGE_BIAS: f64 = 1e-6;
 /// The most corners of a clipped face.
 const CORNERS: usize = 12;
 
-/// The winning axis: a face of the first box, of the second, or two edges.
+/// The separating axis with the least overlap: a face normal of the first box, a face normal of the
+/// second box, or the cross product of two edges.
 #[derive(Clone, Copy)]
 enum Axis {
     First(usize),
@@ -217,7 +218,8 @@ impl Boxes<'_> {
         });
     }
 
-    /// Adds a contact at each corner of the part of one box's face that lies over the other's face.
+    /// Clips the incident face of one box against the reference face of the other box, and adds a
+    /// contact at each corner of the result.
     fn faces(&self, a: usize, first: bool, push: &mut impl FnMut(Hit)) {
         let (reference, incident, at) = if first {
             (&self.a, &self.b, self.pos21)

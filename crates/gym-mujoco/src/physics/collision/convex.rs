@@ -73,8 +73,9 @@ impl Solid<'_> {
     }
 }
 
-/// Before 4.0: the contact of two shapes, and up to four more. To find those, the shapes are turned
-/// a little about the first contact; a contact counts if it is at least `apart` from the others.
+/// Finds the contacts of two shapes before MuJoCo 4.0: a first contact, and up to four more. For
+/// each further contact, the function rotates both shapes by a small angle about the first contact.
+/// A contact counts if its distance to all others is at least `apart`.
 pub(super) fn contacts(
     a: Solid<'_>,
     b: Solid<'_>,

@@ -26,14 +26,15 @@ pub(crate) struct Polytope {
     candidates: Vec<usize>,
     /// The horizon: faces that stay, each with the edge that it shares with a removed face.
     horizon: Vec<(usize, usize)>,
-    /// The corners of a face, and the points of what lies on it, before and after a cut.
+    /// Buffers to clip polygons: the corners of the reference face, and the incident polygon before
+    /// and after it is clipped.
     pub(super) polygons: [Vec<Vec3>; 3],
 }
 
 #[derive(Clone, Debug)]
 struct Face {
     corners: [usize; 3],
-    /// The neighbour across the edge from each corner to the next.
+    /// For each edge, from a corner to the next: the face on the other side.
     beyond: [usize; 3],
     /// The projection of the origin on the face, and the square of its distance.
     nearest: Vec3,

@@ -350,9 +350,9 @@ fn segment(a: Vec3, b: Vec3, revision: Revision) -> [f64; 2] {
     }
 }
 
-/// The origin projected onto the plane of a triangle; `None` if its area is zero. The normal is
-/// computed at a corner that the plane's distance allows to compute accurately: one whose position
-/// has a component along the normal.
+/// The origin projected onto the plane of a triangle; `None` if its area is zero. The function
+/// tries the normals at two corners, and uses the first corner whose position has a component along
+/// its normal.
 pub(super) fn project(a: Vec3, b: Vec3, c: Vec3, revision: Revision) -> Option<Vec3> {
     let (ba, ca, cb) = (sub(b, a), sub(c, a), sub(c, b));
     for (normal, corner) in [(cross(cb, ba), b), (cross(ba, ca), a)] {
@@ -513,8 +513,8 @@ mod tests {
         best
     }
 
-    /// Where the origin is nearest to no corner nor edge, as it is once the algorithm has found its
-    /// way.
+    /// Tests simplices in whose interior the point nearest to the origin lies, as in the last
+    /// iterations.
     #[test]
     fn finds_the_nearest_point_of_simplices() {
         let mut seed = 1_u64;

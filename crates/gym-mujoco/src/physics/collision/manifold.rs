@@ -21,7 +21,7 @@ const PARALLEL: f64 = 0.996;
 /// Most contacts of two shapes.
 const MOST: usize = 4;
 
-/// A face of a shape, and what lies on it.
+/// A reference face, and the incident face or edge of the other shape.
 struct Lie {
     /// Which of the two shapes has the face.
     shape: usize,
@@ -29,7 +29,7 @@ struct Lie {
     other: Other,
 }
 
-/// What of the other shape lies on the face.
+/// The feature of the other shape that is clipped against the reference face.
 enum Other {
     Face(Face),
     Edge([Vec3; 2]),
@@ -50,7 +50,7 @@ pub(super) fn contacts(
     polygon.clear();
     let lie = lie([a, b], &touch);
     let grown = [a, b].map(|solid| match solid.kind {
-        GeomType::Capsule => 0.0, // its radius stands for it
+        GeomType::Capsule => 0.0, // the collision of capsules adds the radius
         _ => 0.5 * margin,
     });
     if let Some(lie) = &lie {
@@ -79,7 +79,8 @@ pub(super) fn contacts(
 }
 
 impl Lie {
-    /// The deepest points of the shapes where `p` is a point of what lies on the face.
+    /// Returns the contact at the point `p` of the incident feature. `corner` is a corner of the
+    /// reference face; `grown` is half the margin for each shape, and 0 for a capsule.
     fn touch(&self, p: Vec3, corner: Vec3, grown: [f64; 2]) -> Touch {
         let normal = self.face.normal;
         let outward = match &self.other {
@@ -151,7 +152,7 @@ fn lie(solids: [Solid<'_>; 2], touch: &Touch) -> Option<Lie> {
     None
 }
 
-/// The faces that are the most parallel, of those that look along the contact.
+/// Returns the most parallel pair among the faces whose normals point along the contact normal.
 fn parallel(found: &[Few<Face>; 2], outward: [Vec3; 2]) -> Option<[Face; 2]> {
     let least = norm(outward[1]) * SLOPE;
     let [first, second] = [0, 1].map(|k| {

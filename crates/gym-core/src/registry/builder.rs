@@ -54,7 +54,7 @@ pub fn builder(id: &str) -> EnvBuilder {
 #[derive(Clone, Debug)]
 pub struct EnvBuilder {
     spec: Result<EnvSpec>,
-    /// The registration of its id; `None` if the spec comes from elsewhere.
+    /// The registration of the spec's id; `None` if the spec does not come from the registry.
     registration: Option<Registration>,
 }
 

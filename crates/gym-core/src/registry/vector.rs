@@ -241,8 +241,8 @@ impl VectorBuilder {
         if self.has_kind {
             return Ok((spec, None));
         }
-        // a native vector refuses options that it does not support; a sync vector may support them,
-        // or reports its own error
+        // a native vector returns an error for unsupported options; a sync vector may support these
+        // options, or returns its own error
         match spec.make() {
             Ok(vector) => Ok((spec, Some(vector))),
             Err(_) => Ok((

@@ -9,7 +9,7 @@ use super::invalid;
 use crate::value::fault::Fault;
 use crate::value::{Error, Result, Value};
 
-/// Where a word stands in a pattern.
+/// The placeholder for a word in a pattern.
 const BLANK: &str = "{}";
 
 /// The sentences of a pattern whose blanks are filled with words: minigrid's `MissionSpace`.

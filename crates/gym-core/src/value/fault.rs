@@ -91,7 +91,8 @@ impl fmt::Display for Fault {
     }
 }
 
-/// The array of a value, if it has that shape and its numbers can become numbers of `dtype`.
+/// Returns the array of `value` if the array has the shape `shape` and its numbers can be cast to
+/// `dtype`.
 #[inline]
 pub(crate) fn expect_array<'a>(
     value: &'a Value,

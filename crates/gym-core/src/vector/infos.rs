@@ -59,7 +59,7 @@ struct Group {
     columns: BTreeMap<String, (Values, Vec<bool>)>,
 }
 
-/// The values of one key. Missing ones are zero, `false` or `Null`.
+/// The values of one key. A missing value is zero, `false` or `Null`.
 enum Values {
     Numbers(Array),
     Flags(Vec<bool>),

@@ -42,14 +42,15 @@ use crate::value::{Error, Result, Snapshot, Value};
 pub struct AsyncVectorEnv<E: Env = BoxEnv> {
     /// Each sub-environment by its index; `None` while a worker owns it.
     home: Vec<Option<Box<Slot<E>>>>,
-    /// Groups of one sub-environment each, with results that were not yet received.
+    /// Groups of one sub-environment, with results that the caller has not received.
     ready: VecDeque<Group<E>>,
     /// Groups that are packed and not yet sent.
     outgoing: Vec<Group<E>>,
-    /// Whether every sub-environment can take a step: each did in the last call, and `call` lent
-    /// none since.
+    /// Whether every sub-environment can take a step: each took a step in the last call, and `call`
+    /// has lent no sub-environment since.
     all_go_on: bool,
-    /// Steps the sub-environments of a group together; `None` if they cannot.
+    /// Steps the sub-environments of a group together; `None` if the environments do not implement
+    /// [`Lockstep`](super::Lockstep).
     lockstep: Option<Box<dyn SlotGroup<E>>>,
     pool: Pool<E>,
     spaces: Arc<Spaces>,
@@ -65,7 +66,8 @@ struct Group<E> {
     indices: Vec<usize>,
     slots: Vec<Box<Slot<E>>>,
     requests: Vec<Request>,
-    /// The actions, at least one for each slot; their storage is reused. A reset ignores them.
+    /// The actions, at least one for each slot. Later calls reuse the storage. A reset ignores the
+    /// actions.
     actions: Vec<Value>,
     /// The results, at least one row for each slot.
     columns: Columns,
@@ -312,9 +314,9 @@ impl<E: Env> AsyncVectorEnv<E> {
         share.div_ceil(together).div_ceil(GROUPS_PER_THREAD) * together
     }
 
-    /// Moves the sub-environments with a request into a group, which has room for `room` of them.
-    /// Steps take the rows of `actions` from the given one on. After an error, call
-    /// [`unpack`](Self::unpack).
+    /// Moves the sub-environments with a request into a group with room for `room`
+    /// sub-environments. Steps take the rows of `actions` from the given one on. After an error,
+    /// call [`unpack`](Self::unpack).
     fn pack(
         &mut self,
         indices: Range<usize>,

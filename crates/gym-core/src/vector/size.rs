@@ -30,7 +30,8 @@ pub(super) fn check_rows(n: usize, observation: &Space) -> Result<()> {
     check_bytes(n, observation, 0)
 }
 
-/// As [`check_rows`]; each sub-environment takes `bytes` beside its row.
+/// Checks the memory of `n` rows as [`check_rows`] does, with `bytes` more for each
+/// sub-environment.
 fn check_bytes(n: usize, observation: &Space, bytes: usize) -> Result<()> {
     let numbers = observation.len_of_row();
     check_len(n, numbers)?;

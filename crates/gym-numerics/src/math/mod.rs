@@ -116,7 +116,7 @@ pub fn with<A, T>(arguments: A, hardware: impl FnOnce(A) -> T, emulated: impl Fn
     }
 }
 
-/// Calls `f` without inlining it: its code is long, and most CPUs never need it.
+/// Calls `f` and does not inline `f`, whose code is long and unused on most CPUs.
 #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
 #[cold]
 #[inline(never)]

@@ -137,8 +137,9 @@ fn special<F: Fma>(x: f64, y: f64) -> f64 {
     positive::<F>(bits, y, sign < 0.0)
 }
 
-/// Returns the C library's `pow(x, 2)`, whose error is at most 0.511 ulp. This is the rounded
-/// product, unless the exact square is so close to a tie that `pow` may return the other neighbour.
+/// Returns the C library's `pow(x, 2)`, whose error is at most 0.511 ulp. The result is the rounded
+/// product, unless the exact square is so close to a tie that `pow` may return the other adjacent
+/// number.
 #[inline(always)]
 pub(super) fn square<R: Real>(x: R) -> R {
     /// The largest error of the product, in ulp, for which `pow` is certain to return the product.
@@ -158,7 +159,8 @@ pub(super) fn square<R: Real>(x: R) -> R {
 /// Returns the C library's `powf(x, 2)`; `x` must be representable in `f32`, and so is the result.
 #[inline(always)]
 pub(super) fn square_f32<R: Real>(x: R) -> R {
-    /// The largest error of the product, in ulp of `f32`, for which `powf` is certain to return it.
+    /// The largest error of the product, in ulp of `f32`, for which `powf` is certain to return the
+    /// product.
     const SURE: f64 = 0.495 * f32::EPSILON as f64;
     let exact = x * x;
     let product = exact.single();

@@ -185,7 +185,7 @@ impl Serialize for Seed {
     }
 }
 
-/// Reads either form.
+/// Reads a number or a list of numbers.
 impl<'de> Deserialize<'de> for Seed {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
         struct SeedVisitor;

@@ -91,7 +91,7 @@ const NOTES: &[&str] = &[
     "return", "same_twice", "tolerance",
 ];
 
-/// Reads the notes. One that no recorder writes is an error, as a key that stands twice is.
+/// Reads the notes. A note that no recorder writes is an error, and a duplicate key is an error.
 fn notes<'de, D: Deserializer<'de>>(deserializer: D) -> std::result::Result<Kwargs, D::Error> {
     let notes = unique::object(deserializer)?;
     match notes.keys().find(|name| !NOTES.contains(&name.as_str())) {
@@ -138,7 +138,7 @@ pub struct VectorRequest {
     pub wrappers: Vec<WrapperSpec>,
 }
 
-/// One reset or one step, and the answer to it.
+/// One reset or one step, and the result.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 #[serde(
     deny_unknown_fields,
@@ -212,8 +212,8 @@ pub struct Event {
         skip_serializing_if = "Option::is_none"
     )]
     pub frame_masked: Option<Json>,
-    /// The checksum of the frame without images that Gymnasium loads from a file. It is read, and
-    /// not compared.
+    /// The checksum of the frame without images that Gymnasium loads from a file. The comparison
+    /// ignores the checksum.
     #[serde(
         default,
         deserialize_with = "unique::option",
@@ -691,8 +691,8 @@ fn remove_clock(info: &mut Json) {
     }
 }
 
-/// The place in two pieces of JSON data where they first differ, and both values there: `[3]: 1 for
-/// 2`. Numbers are compared to the last bit; `1` and `1.0` are the same number, and `0.0` and
+/// Describes the first difference of two JSON values, by its place and both values there: `[3]: 1
+/// for 2`. Numbers are compared to the last bit; `1` and `1.0` are the same number, and `0.0` and
 /// `-0.0` are not.
 fn difference(a: &Json, b: &Json) -> Option<String> {
     let inside = |place: String, a: &Json, b: &Json| {
@@ -750,7 +750,7 @@ fn same_number(x: &Number, y: &Number) -> bool {
     }
 }
 
-/// Whether a real number equals an integer exactly. `-0.0` equals none.
+/// Whether a real number equals an integer exactly. `-0.0` equals no integer.
 fn is_integer(x: f64, i: i128) -> bool {
     x.to_bits() == (i as f64).to_bits() && x as i128 == i
 }
@@ -819,7 +819,7 @@ mod tests {
                 difference.starts_with(&format!("event 1, {part}")),
                 "{difference}"
             );
-            // a part that one event leaves out is not compared
+            // the comparison ignores a field that one of the events lacks
             let mut lacking = step.clone();
             lacking.as_object_mut().unwrap().remove(part);
             assert!(
@@ -905,7 +905,7 @@ mod tests {
         let mut other = head.clone();
         other["observation_space"] = json!("Box([0. 1.], [1. 2.])");
         assert_eq!(recorded.first_difference(&read(&other)), None);
-        // the notes stay in what is written
+        // writing keeps the notes
         assert_eq!(serde_json::to_value(&recorded).unwrap()["numpy"], "2.4.6");
         assert_eq!(
             trace(json!([{ "step": 0 }])).compared(),
@@ -999,7 +999,7 @@ mod tests {
         assert_eq!(info, expected);
     }
 
-    /// A list has a seed, or none, for each sub-environment.
+    /// A list has a seed or `null` for each sub-environment.
     #[test]
     fn seeds_keep_their_places() {
         let reset = |json: Json| {

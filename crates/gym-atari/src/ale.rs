@@ -21,9 +21,9 @@ const POWER_ON_TIMER: &[u8; 6000] = include_bytes!("power_on/timer.bin");
 const IDLE_FRAMES: u8 = 60;
 /// Frames that run when the ROM is loaded, before the first power-on.
 const LOADING_FRAMES: u8 = 60;
-/// Frames that run when the ROM of a PAL game is loaded: 30 of their longer frames are enough. The
-/// number matters only for programs that do not clear their RAM, such as Space War, whose first
-/// frame is shorter.
+/// The frames that run when the ROM of a PAL game is loaded. PAL frames are longer than NTSC
+/// frames, so 31 are enough. The number matters only for programs that do not clear RAM, such as
+/// Space War, whose first frame is shorter.
 const PAL_LOADING_FRAMES: u8 = 31;
 /// Frames for which RESET is pressed after a mode was selected.
 const RESET_FRAMES: u8 = 4;
@@ -340,7 +340,7 @@ impl Ale {
         }
     }
 
-    /// Plays a frame with `command`, which does not stick. If `seen` is false, the frame is not
+    /// Plays a frame with `command`, without sticky actions. If `seen` is false, the frame is not
     /// drawn.
     pub(crate) fn play(&mut self, command: Command, seen: bool) -> i32 {
         self.progress.previous = command;
@@ -358,8 +358,8 @@ impl Ale {
         self.progress.reward
     }
 
-    /// Plays `frames` frames with `command` and returns the sum of their rewards. Draws only the
-    /// last two.
+    /// Plays `frames` frames with `command`, draws only the last two, and returns the sum of the
+    /// rewards.
     ///
     /// The console draws two pictures in turn, and a frame that ends early keeps the older rest of
     /// its picture. To leave both pictures as if every frame had been drawn, the function replays

@@ -67,8 +67,8 @@ impl Riot {
         }
     }
 
-    /// Returns the value of `INTIM` at `cycle`, and the cycle up to which it stays the same without
-    /// other accesses; `None` for other registers.
+    /// Returns the value of `INTIM` at `cycle`, and the cycle up to which the value stays the same
+    /// without other accesses; `None` for other registers.
     pub(crate) fn steady(&self, address: u16, cycle: u64) -> Option<(u8, u64)> {
         match address & 0x07 {
             4 | 6 => self.timer.steady(cycle), // INTIM
@@ -76,8 +76,8 @@ impl Riot {
         }
     }
 
-    /// Returns the first cycle at which `INTIM` reads as 0, if `address` is `INTIM` and it has not
-    /// yet counted down.
+    /// Returns the first cycle at which `INTIM` reads as 0, if `address` is `INTIM` and the timer
+    /// has not yet counted down.
     pub(crate) fn zero_from(&self, address: u16) -> Option<u64> {
         let Timer {
             value,
@@ -150,8 +150,8 @@ impl Timer {
         }
     }
 
-    /// Returns the value of `INTIM` at `cycle`, and the cycle up to which it stays the same; `None`
-    /// after the end, when a read changes the timer.
+    /// Returns the value of `INTIM` at `cycle`, and the cycle up to which the value stays the same;
+    /// `None` after the end of the interval, when a read changes the timer.
     fn steady(&self, cycle: u64) -> Option<(u8, u64)> {
         let (elapsed, count) = self.count(cycle);
         if count < 0 || elapsed < 0 {

@@ -41,9 +41,9 @@ pub(crate) struct Shrink {
     few_columns: bool,
     /// The shade of each byte of a picture.
     pub(crate) shades: &'static [u8; 256],
-    /// The previous picture; at first a black one.
+    /// The previous picture; at first black.
     picture: Vec<Row>,
-    /// Its sums along columns, row by row.
+    /// The weighted sums along the columns of `picture`, row by row.
     across: Vec<f32>,
     /// The output.
     small: Vec<u8>,
@@ -53,8 +53,8 @@ pub(crate) struct Shrink {
     row: [f32; WIDTH + TAPS],
     /// The sums along rows, for one output row.
     down: Vec<f32>,
-    /// If both sizes shrink by whole factors, of which OpenCV takes means in another order: the
-    /// resizer, and the shades of a picture.
+    /// If both sizes shrink by integer factors: the resizer, and the shades of a picture. For these
+    /// factors, OpenCV adds in another order.
     whole: Option<(AreaResize, Vec<u8>)>,
 }
 

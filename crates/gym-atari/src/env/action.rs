@@ -82,8 +82,8 @@ pub(super) const MOST_ANGLE: f32 = PI;
 mod tests {
     use super::*;
 
-    /// Recorded from ale-py 0.12.1. With glibc's `cosf`, each of these actions would be the other
-    /// one.
+    /// The expected actions are recorded from ale-py 0.12.1. With glibc's `cosf`, each case would
+    /// select another action.
     #[test]
     fn sticks_at_the_threshold_are_decided_by_numpys_cosine() {
         for (radius, angle, expected) in [

@@ -30,7 +30,8 @@ impl Ram<'_> {
         }
     }
 
-    /// Casino: the game is over without points. In mode 3 it first waits until there are points.
+    /// Casino: whether the game is over. In mode 3, the game is over once there are points and the
+    /// program does not wait; in other modes, if no points are left.
     pub(super) fn casino_is_over(&self) -> bool {
         let (points, waits) = (
             self.at(0x0c) | self.at(0x15) != 0,

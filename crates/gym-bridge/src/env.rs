@@ -141,8 +141,8 @@ impl PythonEnv {
         Self::described(config, render_mode, worker, &about)
     }
 
-    /// Refuses an action that Python cannot receive: one of another form than the space's, or not
-    /// finite.
+    /// Refuses an action that Python cannot receive: an action whose form differs from the action
+    /// space's, or with numbers that are not finite.
     fn check_action(&self, action: &Value) -> Result<()> {
         let space = &self.spaces.1;
         let fits = match (space, action) {
@@ -394,7 +394,7 @@ impl Env for PythonEnv {
                     "a frame is uint8 of shape (height, width, 3), both at least 1",
                 )
             })?),
-            // Python has shown it in a window
+            // Python has shown the frame in a window
             (_, RenderMode::Human) => Rendered::Shown,
             (other, _) => {
                 let what = if other == Value::Null {

@@ -133,7 +133,7 @@ impl<'a, R: BufRead> Reader<'a, R> {
         self.left == 0
     }
 
-    /// Takes `count` bytes from the rest of the frame; `None` if it has fewer.
+    /// Subtracts `count` from the number of unread bytes of the frame; `None` if fewer are left.
     fn reserve(&mut self, count: usize) -> Option<()> {
         self.left = self.left.checked_sub(count.try_into().ok()?)?;
         Some(())
@@ -165,7 +165,8 @@ impl<'a, R: BufRead> Reader<'a, R> {
 
     fn text(&mut self) -> Option<String> {
         let length = self.length()?;
-        // allocate no more memory than there are bytes
+        // checked before the allocation, so that a wrong length allocates no more memory than the
+        // frame has bytes
         self.reserve(length)?;
         let mut text = vec![0; length];
         let read = self.stream.read_exact(&mut text);

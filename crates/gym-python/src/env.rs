@@ -54,7 +54,7 @@ struct Core {
     env: BoxEnv,
     observation: Value,
     frame: Rendered,
-    /// Whether an episode was started, and none has panicked since.
+    /// Whether an episode has begun, and no call has panicked since.
     is_running: bool,
 }
 
@@ -208,7 +208,7 @@ impl Env {
         }
     }
 
-    /// Changes what the environment lets be changed; `json` says how.
+    /// Changes a part of the environment that can be set, to the value `json`.
     fn inspect<T: DeserializeOwned>(
         &self,
         py: Python<'_>,
@@ -298,7 +298,7 @@ impl Env {
         self.lock(py)?.snapshot()
     }
 
-    /// Goes on from a snapshot; `is_running` says whether it is of an episode.
+    /// Restores a snapshot. `is_running`: whether the snapshot was taken within an episode.
     fn restore(&self, py: Python<'_>, snapshot: &str, is_running: bool) -> PyResult<()> {
         let snapshot = serde_json::from_str(snapshot)
             .and_then(serde_json::from_value::<Snapshot>)
@@ -315,7 +315,8 @@ impl Env {
         Ok(self.lock(py)?.is_running)
     }
 
-    /// The state of the generator as JSON; `None` before the first reset, or where there is none.
+    /// The state of the generator as JSON; `None` before the first reset, and for environments
+    /// without a generator.
     fn generator(&self, py: Python<'_>) -> PyResult<Option<String>> {
         let mut core = self.lock(py)?;
         Ok(core
@@ -331,7 +332,8 @@ impl Env {
             .or_raise()?;
         let mut core = self.lock(py)?;
         if core.env.generator().is_none() {
-            // an environment has a generator once it was reset; the next reset carries that one on
+            // an environment has a generator after the first reset; a later reset without a seed
+            // continues with the same generator
             let is_running = core.is_running;
             core.reset(&Reset::seed(0))?;
             core.is_running = is_running;
@@ -348,7 +350,7 @@ impl Env {
         Ok(())
     }
 
-    /// The state as JSON, for environments whose dynamics are pure functions of one.
+    /// The state as JSON, for environments whose dynamics are pure functions of the state.
     fn state(&self, py: Python<'_>) -> PyResult<Option<String>> {
         let core = self.lock(py)?;
         let state = core.env.inspect().and_then(Inspect::state);
@@ -370,7 +372,8 @@ impl Env {
         })
     }
 
-    /// The arguments as they are, as JSON; those it was made with, where they cannot be set.
+    /// The current arguments as JSON. If an environment's arguments cannot be set: the arguments
+    /// that it was made with.
     fn arguments(&self, py: Python<'_>) -> PyResult<String> {
         let core = self.lock(py)?;
         let Some(Json::Object(mut arguments)) = core.env.inspect().map(Inspect::arguments) else {
@@ -411,8 +414,8 @@ impl Env {
         mujoco::data(py, &self.lock(py)?.env)
     }
 
-    /// The last call of the engine of a MuJoCo task: whether it was a step, where it started, where
-    /// it led.
+    /// The last call of a MuJoCo task's engine: whether the call was a step, the state before the
+    /// call, and the state after the call.
     fn mujoco_before<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyTuple>>> {
         mujoco::before(py, &self.lock(py)?.env)
     }

@@ -37,7 +37,7 @@ pub(crate) struct Numbers {
     /// Whether the version is before 5.
     is_old: bool,
     reward: Number,
-    /// The size of the reward that is an `int` where it ends an episode; 0 for none.
+    /// The magnitude of the reward that is an `int` in the last step of an episode; 0 for none.
     last_reward: f64,
     /// The type of `reward_ctrl`.
     control: Number,
@@ -54,7 +54,7 @@ struct Key {
 }
 
 impl Numbers {
-    /// Those of the environment `id` with these arguments.
+    /// Returns the types of the environment `id` with the arguments `kwargs`.
     pub(crate) fn of(id: &str, kwargs: &Kwargs) -> Self {
         let package = find(id).map_or("", |registration| registration.source.package);
         let name = id.rsplit_once('/').map_or(id, |(_, name)| name);
@@ -120,7 +120,8 @@ impl Numbers {
         }
     }
 
-    /// Whether an action, or a batch of them, is an array of `float32`, where it matters.
+    /// Whether an action or a batch of actions is an array of `float32`; false for environments
+    /// whose numbers do not depend on this.
     pub(crate) fn is_single(&self, action: &Bound<'_, PyAny>) -> bool {
         if !self.is_mujoco && self.reward != Number::OfAction {
             return false;

@@ -28,7 +28,8 @@ use crate::numbers::Numbers;
 #[pyclass(frozen, module = "rustgym._native")]
 #[derive(Debug)]
 pub(crate) struct Vector {
-    /// The child of a fork must not drop it: dropping waits for threads that only the parent has.
+    /// A forked child must not drop the vector: dropping waits for threads that exist only in the
+    /// parent.
     core: ManuallyDrop<Mutex<Core>>,
     spec: VectorSpec,
     /// The space of one action, and the space of a batch.
@@ -53,7 +54,7 @@ struct Core {
 enum Envs {
     /// A sync or native vector.
     Here(Box<dyn VectorEnv>),
-    /// An async vector, by its own type because of `send` and `recv`.
+    /// An async vector. The variant has the concrete type for `send` and `recv`.
     Async(Box<AsyncVectorEnv>),
 }
 

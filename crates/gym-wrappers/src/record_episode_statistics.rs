@@ -118,7 +118,7 @@ impl Record {
         })
     }
 
-    /// Counts a step of an environment, and keeps the episode if it has ended.
+    /// Counts a step of an environment, and stores the statistics of the episode at its end.
     fn step(&mut self, index: usize, reward: f64, done: bool, buffer_length: usize) {
         let Some(running) = self.running.get_mut(index) else {
             return;

@@ -59,8 +59,8 @@ impl Normalizer {
         self.statistics.normalize(dtype, row, self.epsilon, out);
     }
 
-    /// Updates the statistics with the rows for which `selects` is true, as one batch. `array` has
-    /// `n` rows.
+    /// Updates the statistics with one batch: the rows of `array` for which `selects` is true.
+    /// `array` has `n` rows.
     pub(crate) fn take_in(&mut self, array: &Array, n: usize, selects: impl Fn(usize) -> bool) {
         if self.updates {
             self.rows.collect(array, n, selects);

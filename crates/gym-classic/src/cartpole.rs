@@ -212,8 +212,8 @@ impl Equations for CartPoleDynamics {
         [state.x, state.x_dot, state.theta, state.theta_dot]
     }
 
-    /// Restores a state. A state beyond the thresholds has ended its episode; a vector does not
-    /// step it again.
+    /// Restores a state. A state beyond the thresholds is terminal; a vector does not step a
+    /// terminal state.
     #[inline(always)]
     fn unpack(&self, [x, x_dot, theta, theta_dot]: [f64; 4], fresh: bool) -> State {
         State {

@@ -359,7 +359,8 @@ impl Native for CliffWalkingDynamics {
         }
     }
 
-    /// Restores a state; its last action is unknown.
+    /// Restores a state. `cell` does not contain the last action, so any action stands in after the
+    /// first step.
     #[inline(always)]
     fn unpack(&self, cell: Cell, fresh: bool) -> State {
         let last_action = if fresh { None } else { Some(Action::Up) };

@@ -263,7 +263,7 @@ impl Task for FrozenLakeDynamics {
         &self.config
     }
 
-    /// Besides `P`, it shows `desc`: the rows of the map, which do not follow a replaced table.
+    /// Returns `P` and `desc`, the rows of the map. A replaced table does not change `desc`.
     fn table(&self) -> Option<Json> {
         let mut table = self.p.to_json(&self.initial);
         table["desc"] = self.desc.to_vec().into();
@@ -585,7 +585,8 @@ impl Native for FrozenLakeDynamics {
         }
     }
 
-    /// Restores a state; its last action is unknown.
+    /// Restores a state. `cell` does not contain the last action, so any action stands in after the
+    /// first step.
     #[inline(always)]
     fn unpack(&self, cell: Cell, fresh: bool) -> State {
         let last_action = if fresh { None } else { Some(Action::Left) };

@@ -191,8 +191,8 @@ impl Table {
         }
     }
 
-    /// Draws an outcome by Gymnasium's `categorical_sample`: the first at which the sum of
-    /// probabilities exceeds `random()`, or the first outcome if rounding keeps all sums below.
+    /// Draws an outcome by Gymnasium's `categorical_sample`: the first outcome at which the sum of
+    /// probabilities exceeds `random()`, or outcome 0 if rounding keeps all sums below `random()`.
     /// `None`, without a draw, if the state does not exist.
     #[inline(always)]
     pub(crate) fn sample(
@@ -227,7 +227,7 @@ struct Lottery {
 
 #[derive(Debug, PartialEq)]
 enum Rows {
-    /// Each row has a single outcome, so the draw decides nothing.
+    /// Each row has a single outcome, whatever the drawn number.
     Certain(Vec<Ticket>),
     Random(Vec<Row>),
     /// The outcomes of each row, in full. For a table with more outcomes in a row than [`Row`] can
@@ -240,7 +240,8 @@ enum Rows {
 struct Row {
     /// The partial sums of the probabilities; infinite after the last outcome.
     sums: [f64; MAX_OUTCOMES],
-    /// The outcomes; after the last one the first again, for a draw above all sums.
+    /// The outcomes, and after the last outcome the first one again, for a drawn number above all
+    /// sums.
     tickets: [Ticket; MAX_OUTCOMES + 1],
 }
 
@@ -409,7 +410,7 @@ pub(crate) struct Distribution {
     probabilities: Arc<[f64]>,
     /// The partial sums of the probabilities, rounded like `np.cumsum`.
     cumulative: Arc<[f64]>,
-    /// The state, if only one is possible: the draw then decides nothing.
+    /// The initial state if only one state is possible, whatever the drawn number.
     only: Option<usize>,
 }
 

@@ -68,7 +68,7 @@ const MAP: [&str; 7] = [
     "+---------+",
 ];
 const SIZE: usize = 5;
-/// Row and column of the stands: red, green, yellow, blue.
+/// Row and column of the locations: red, green, yellow, blue.
 const STANDS: [(usize, usize); 4] = [(0, 0), (0, 4), (4, 0), (4, 3)];
 /// The passenger's position in the taxi.
 const IN_TAXI: usize = 4;
@@ -217,8 +217,8 @@ impl TaxiDynamics {
     }
 }
 
-/// Returns the state with another destination, if the passenger was driven from one cell to the
-/// next.
+/// Returns the state with another destination (Gymnasium's `fickle_passenger`); `None` if the step
+/// did not move the taxi with the passenger from one cell to the next.
 fn change_of_mind(before: usize, after: usize, rng: &mut impl Stream) -> Option<usize> {
     let (row, col, passenger, destination) = decode(before);
     let (next_row, next_col, next_passenger, _) = decode(after);
@@ -488,7 +488,8 @@ fn ahead(heading: Action) -> Transform {
     }
 }
 
-/// Draws a taxi from above, pointing right; the sign on its roof is green while it is taken.
+/// Draws a taxi from above, pointing right; the sign on its roof is green while a passenger is
+/// inside.
 fn car(canvas: &mut dyn Canvas, taken: bool) {
     for [x, y] in [[-24.0, -21.0], [13.0, -21.0], [-24.0, 16.0], [13.0, 16.0]] {
         canvas.rect([x, y], [12.0, 5.0], INK);

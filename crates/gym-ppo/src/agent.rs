@@ -30,7 +30,7 @@ pub(crate) struct Agent {
     network: Network,
     head: Head,
     optimizer: Adam,
-    /// These threads share the portions of a batch.
+    /// The threads that compute the gradients of a batch, each for a part of the batch.
     threads: ThreadPool,
 }
 
@@ -290,8 +290,8 @@ impl Agent {
     }
 }
 
-/// Returns a tensor with the shape and numbers of `value`. Numbers of float64 become float32, which
-/// changes no action of this agent: it computes in float32.
+/// Returns a tensor with the shape and numbers of `value`. Converts float64 to float32, in which
+/// the networks compute.
 pub(crate) fn tensor(value: &Value) -> Result<Tensor> {
     let refuse = || {
         candle_core::Error::Msg(format!(

@@ -171,7 +171,7 @@ impl CustomOp2 for Overlap {
 }
 
 /// The backward pass of [`Overlap`]: returns the gradients of its parts (one row per block) and of
-/// its bias, from its result `sums` and the gradient of that.
+/// its bias, from its result `sums` and the gradient of the result.
 fn spread(
     rows: usize,
     columns: usize,

@@ -70,8 +70,8 @@ impl Rollout {
         Ok(())
     }
 
-    /// Steps `envs` with actions that it samples from the agent's policy, and calls `each` with the
-    /// columns of each step.
+    /// Steps `envs` with actions sampled from the agent's policy, and calls `each` with the columns
+    /// of each step.
     pub(crate) fn collect(
         &mut self,
         envs: &mut dyn VectorEnv,

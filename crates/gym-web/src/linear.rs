@@ -21,7 +21,7 @@ pub(crate) struct Parameters {
     elite: f64,
     /// The standard deviation of the first generation's weights.
     spread: f64,
-    /// The number added to the variance of the first generation; it decreases to 0 within
+    /// The number added to the variance of the first generation; the noise decreases to 0 within
     /// [`NOISY`] generations.
     noise: f64,
     /// Episodes that each policy plays; its mean return counts.
@@ -45,7 +45,7 @@ pub(crate) struct CrossEntropy {
     mean: Vec<f64>,
     deviation: Vec<f64>,
     generation: u32,
-    /// The best policy of the last generation, until it is tried again.
+    /// The best policy of the last generation, until its evaluation in this generation.
     best: Option<Vec<f64>>,
     /// The policies of this generation that were tried, with their mean returns.
     tried: Vec<(f64, Vec<f64>)>,
@@ -242,7 +242,8 @@ impl CrossEntropy {
         Ok(ended)
     }
 
-    /// Sets the mean to that of the best policies, and the variance to theirs with noise added.
+    /// Sets the mean and the variance to those of the best policies, and adds noise to the
+    /// variance.
     fn next_generation(&mut self) {
         self.tried.sort_by(|(a, _), (b, _)| b.total_cmp(a));
         let Parameters { elite, noise, .. } = self.parameters;
@@ -300,7 +301,8 @@ mod tests {
         }
     }
 
-    /// The search keeps a variance although all policies are alike, and its noise decreases.
+    /// Although all policies are equal, the variance of the search stays positive, and the noise
+    /// decreases.
     #[test]
     fn noise_keeps_the_variance_of_equal_policies() {
         let parameters =

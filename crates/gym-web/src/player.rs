@@ -38,10 +38,10 @@ pub(crate) struct Player {
     kwargs: Kwargs,
     seed: Option<Seed>,
     sampler: Option<Sampler<Value>>,
-    /// The good policy's state in this episode, once it has acted.
+    /// The state of the known policy in this episode; `None` before its first action.
     controller: Option<Controller>,
     /// The actions of the episode, and the sum of rewards after each. The page has gone back from
-    /// those after `position`.
+    /// the actions after `position`.
     actions: Vec<Value>,
     returns: Vec<f64>,
     position: usize,

@@ -265,8 +265,8 @@ fn every_wrapper_is_among_them() {
         .map(|wrapper| wrapper.name)
         .collect();
     let lacking: Vec<_> = registered.difference(&here).collect();
-    // these need other observations than the spy's: `vector_maps.rs` tests them, and gym-minigrid
-    // its own
+    // these wrappers need other observations than the spy's: `vector_maps.rs` and the tests of
+    // gym-minigrid cover these wrappers
     assert_eq!(
         lacking,
         [
@@ -421,7 +421,8 @@ impl VectorEnv for HalfWay {
     }
 }
 
-/// If one sub-environment fails, the steps of the others are kept; a refused step is not counted.
+/// If one sub-environment fails, the other sub-environments keep their steps; a refused step is not
+/// counted.
 #[test]
 fn an_error_of_one_does_not_hide_the_step_of_the_others() {
     let actions = Value::Array(gym::Array::from([0.0f32, 0.0]).reshape([2, 1]).unwrap());

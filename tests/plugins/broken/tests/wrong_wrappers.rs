@@ -22,7 +22,7 @@ enum Fault {
     Reset,
     /// Shares its count with its clones.
     Clone,
-    /// Does not change the space of the observations that it doubles.
+    /// Doubles the observations, but does not change the observation space.
     Space,
     /// Adds the old content of the buffer.
     Buffer,

@@ -225,7 +225,7 @@ fn a_car_may_leave_the_field_on_no_side() {
             let [x, y, ..] = car.state().unwrap().hull;
             inside &= x.abs() <= FIELD && y.abs() <= FIELD;
             assert!(inside, "turn {turn}: it goes on at {x}, {y}");
-            // a slow turn that depends on the run, then straight on
+            // a slow turn whose duration depends on the run, then straight on
             if step < 25 * turn {
                 [0.6, 0.05, 0.0]
             } else {

@@ -375,7 +375,7 @@ pub(super) fn contact_jacobian<N: Number>(
         let c = axis(column.dof);
         let offset = sub(pos, com(column.root));
         let moves = add([c[3], c[4], c[5]], cross([c[0], c[1], c[2]], offset));
-        // libmujoco's sums start with 0, and so are never -0
+        // libmujoco's sums start with 0, so no sum is -0
         if pair.dim == 1 {
             let along = dot([frame[0], frame[1], frame[2]], moves);
             set(column.dof, [along * column.sign + 0.0; 4]);
@@ -521,7 +521,7 @@ fn islands(m: &Model, d: &mut Data) {
         d.efc.nisland = 1;
         return;
     }
-    // for each tree, the smallest tree that a constraint connects it to
+    // for each tree, the smallest index of a connected tree
     let least = &mut work.tree_least;
     least.clear();
     least.extend(0..trees);

@@ -203,8 +203,8 @@ fn actuators(m: &Model, d: &Data, add: &mut impl FnMut(usize, usize, f64)) {
     }
 }
 
-/// Whether the actuators of the joint or tendon that an actuator moves reach its range of forces:
-/// MuJoCo's `mjd_actuatorDerivSkip`, from 4.0 on.
+/// Whether the total actuator force on the joint or tendon of actuator `i` reaches the force range
+/// of the joint or tendon: MuJoCo's `mjd_actuatorDerivSkip`, from 4.0 on.
 fn saturated(m: &Model, d: &Data, i: usize) -> bool {
     let id = m.actuator_trnid[i][0] as usize;
     match m.actuator_trntype[i] {

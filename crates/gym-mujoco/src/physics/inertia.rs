@@ -61,7 +61,7 @@ pub fn crb(m: &Model, d: &mut Data) {
 }
 
 /// [`crb`] for one world or several. `begin` may compute the first elements of a row from the force
-/// that moves its degree of freedom; it returns how many it computed.
+/// of the row's degree of freedom, and returns the number of computed elements.
 #[inline(always)]
 pub(crate) fn crb_of<N: Number>(
     m: &Model,
@@ -127,7 +127,8 @@ pub fn factor_m(m: &Model, d: &mut Data) {
     if m.plan().implicit {
         add_damping(m, d);
         let work = &mut d.work;
-        // factors both matrices in turn: one computes while the other waits for a division
+        // interleaves the factorisations of both matrices: the CPU computes one while the other
+        // waits for a division
         let damped = (&mut work.qh[..], &mut work.qh_diag_inv[..]);
         factor(m, [(&mut d.qld, &mut d.qld_diag_inv), damped]);
     } else {
@@ -336,7 +337,7 @@ mod tests {
                 );
             }
             solve_m(&m, &d, &mut solved);
-            // with damping, the same for the matrix that Euler's method uses
+            // the matrix with damping, for Euler's method
             let mut damped: Vec<f64> = x.clone();
             multiply(&m, &d.qm, &x, &mut damped);
             damped

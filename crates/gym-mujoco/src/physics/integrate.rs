@@ -76,8 +76,8 @@ pub fn euler(m: &Model, d: &mut Data) {
 fn semi_implicit(m: &Model, d: &mut Data) {
     let dt = m.opt.timestep;
     let fast = m.opt.integrator == Integrator::ImplicitFast;
-    // `step2` uses Euler's method for models with the RK4 integrator; these have no damped factors
-    // yet
+    // `step2` uses Euler's method for models with the RK4 integrator, whose damped matrix is not
+    // factored before
     let late = m.opt.integrator == Integrator::RK4 && m.plan().damped;
     if fast {
         implicit::factor(m, d);

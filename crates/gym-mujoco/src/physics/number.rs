@@ -113,7 +113,7 @@ impl Number for f64 {
         *cell = self;
     }
 
-    // written out: the compiler does not turn a loop over elements into a copy
+    // no loop: the compiler does not turn a loop over the elements into a copy
 
     #[inline(always)]
     fn all_of<const K: usize>((): (), vector: [f64; K]) -> [Self; K] {

@@ -1,4 +1,4 @@
-//! Sensors: each kind is one arm that names its formula.
+//! Sensors: each match arm computes one type of sensor.
 
 use super::contact_force::contact_force;
 use super::energy::{computed, kinetic, potential};
@@ -72,7 +72,8 @@ fn three([x, y, z]: Vec3) -> Quat {
     [x, y, z, 0.0]
 }
 
-/// The orientation of an object: the body's, times the object's in the body.
+/// The orientation of an object: the product of the body's orientation and the object's orientation
+/// in the body's frame.
 fn quat_of<O: Order>(m: &Model, d: &Data, kind: ObjectType, id: usize) -> Quat {
     let within = |body: usize, quat: Quat| O::mul_quat(d.xquat[body], quat);
     match kind {
@@ -269,7 +270,7 @@ fn touch(m: &Model, d: &Data, site: usize) -> f64 {
     })
 }
 
-/// [`touch`] from a list of contacts, where `normal_force` gives the normal force of each.
+/// [`touch`] for a list of contacts. `normal_force` returns the normal force of a contact.
 pub(super) fn touch_of(
     m: &Model,
     (site, pos, mat): (usize, Vec3, &Mat3),

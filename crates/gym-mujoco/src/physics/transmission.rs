@@ -192,7 +192,8 @@ fn at_site(m: &Model, d: &Data, site: usize, force: Vec3, torque: Vec3, moments:
     }
 }
 
-/// The position of a site in the frame of another, projected on the gear, and its moment arms.
+/// Computes the length and the moment arms of an actuator with a reference site: the length is the
+/// product of the gear and the site's pose relative to the reference site.
 fn between_sites<O: Order>(
     m: &Model,
     d: &Data,

@@ -21,11 +21,11 @@ pub struct Simulation {
     pub frame_skip: usize,
     /// Length of a step in seconds.
     pub dt: f64,
-    /// The viewpoint of its pictures.
+    /// The camera of rendered pictures.
     pub(super) view: View,
     /// Whether a step computes contact forces. MuJoCo 2.0's Python interface did not.
     contact_forces: bool,
-    /// The properties of a step, if the task's worlds can step together.
+    /// The properties of a step; `None` if the task's worlds cannot step together.
     pub(super) stride: Option<Stride>,
 }
 

@@ -140,7 +140,7 @@ impl Crew {
             data = Data::new(model);
             // computes the tendons' moment arms, which are constant
             forward(model, &mut data);
-            // the positions' part of the forces is added by the lane stages
+            // the stages of the lanes add the part of the forces that depends on positions
             data.actuator_length.fill(0.0);
             data.actuator_velocity.fill(0.0);
         }
@@ -192,8 +192,8 @@ impl Crew {
         };
         let (length, rows) = (self.length, &mut self.rows);
         self.stepped[..self.len].fill(false);
-        // sort worlds by their number of rows: the solver's time depends on the largest in a
-        // register
+        // sort worlds by their number of rows: the solver's time depends on the largest number of
+        // rows in a register
         self.order.clear();
         self.order.extend(0..self.len);
         self.order

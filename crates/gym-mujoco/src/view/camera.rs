@@ -88,7 +88,7 @@ impl Camera {
         ]
     }
 
-    /// A direction projected on the picture plane, of length 1 or less.
+    /// The direction `direction` projected on the picture plane; the length is 1 or less.
     pub(super) fn flat(&self, direction: Vec3) -> Point {
         [dot(direction, self.right), -dot(direction, self.up)]
     }

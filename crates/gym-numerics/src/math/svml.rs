@@ -33,13 +33,13 @@ const POWERS: [[u64; 2]; 16] = [
 /// `np.exp`.
 #[inline(always)]
 pub(super) fn exp<F: Fma>(x: f64) -> f64 {
-    /// From here on, another function computes the result.
+    /// For magnitudes from this number on, another function computes the result.
     const RARE: f64 = f(0x4086_1da0_4cba_fe44);
     /// 3 * 2^46 + 1023: adding it rounds to a multiple of 1/16.
     const SHIFT: f64 = f(0x42f8_0000_0000_3ff0);
     const INVERSE: f64 = f(0x3ff7_1547_652b_82fe);
     const LN2: [f64; 2] = [f(0x3fe6_2e42_fefa_39ef), f(0x3c7a_bc9e_3b39_803f)];
-    /// Of r^6 to r.
+    /// The coefficients of r^6 to r.
     const C: [f64; 6] = [
         f(0x3f57_4118_3694_0c04),
         f(0x3f81_101c_bbc2_65c0),

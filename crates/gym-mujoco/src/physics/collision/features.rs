@@ -37,7 +37,7 @@ const COSINES: [f64; SIDES] = [
 /// The cosine above which a direction counts as the normal of a box's face.
 const ALONG: f64 = 0.996;
 
-/// Up to three things.
+/// A list of up to three items.
 #[derive(Clone, Copy)]
 pub(super) struct Few<T> {
     things: [T; 3],
@@ -205,7 +205,7 @@ pub(super) fn edges(solid: Solid<'_>, span: &Dimension, deepest: Vec3) -> Few<Ed
     }
 }
 
-/// A corner of a box: bit k tells whether it is at the upper end of axis k.
+/// A corner of a box. Bit k of `corner`: whether the corner is at the upper end of axis k.
 fn box_corner(shape: Shape<'_>, corner: u8) -> Vec3 {
     let local = std::array::from_fn(|k| match corner >> k & 1 {
         1 => shape.size[k],

@@ -1,6 +1,6 @@
-//! Contacts of two convex shapes from 4.0 on: MuJoCo's `mjc_multicontact`. If a face lies on a
-//! face, or an edge on a face, the face's sides cut the other, and up to four points of what is
-//! left are the contacts.
+//! Contacts of two convex shapes from 4.0 on: MuJoCo's `mjc_multicontact`. If a face or an edge
+//! lies on a face of the other shape, the function clips the incident face or edge by the sides of
+//! the other face. Up to four points of the result are the contacts.
 
 use super::super::spatial::{
     MINVAL, Vec3, add, add_scaled, cross, dot, norm, normalize, scale, sub,
@@ -109,7 +109,7 @@ impl Lie {
     }
 }
 
-/// Finds the face of a shape on which a face or an edge of the other lies.
+/// Finds a reference face and an incident face or edge; `None` if none are parallel.
 fn lie(solids: [Solid<'_>; 2], touch: &Touch) -> Option<Lie> {
     let [w1, w2] = touch.points;
     let outward = [sub(w1, w2), sub(w2, w1)];
@@ -172,7 +172,8 @@ fn parallel(found: &[Few<Face>; 2], outward: [Vec3; 2]) -> Option<[Face; 2]> {
     pair
 }
 
-/// Cuts a polygon by the planes through the sides of a face, along its normal.
+/// Clips a polygon by the planes through the sides `side` of a face that are parallel to the face's
+/// normal.
 fn cut_by_sides(polygon: &mut Vec<Vec3>, side: &[Vec3], normal: Vec3, cut: &mut Vec<Vec3>) {
     for (k, &corner) in side.iter().enumerate() {
         let along = sub(side[(k + 1) % side.len()], corner);
@@ -182,7 +183,8 @@ fn cut_by_sides(polygon: &mut Vec<Vec3>, side: &[Vec3], normal: Vec3, cut: &mut 
     }
 }
 
-/// Cuts a closed line of points by a plane, and keeps the part on its normal's side.
+/// Clips the polygon `line` by a plane. `kept` is the part on the side to which the plane's normal
+/// points.
 fn cut_by_side(line: &[Vec3], corner: Vec3, normal: Vec3, kept: &mut Vec<Vec3>) {
     kept.clear();
     for (i, &p) in line.iter().enumerate() {

@@ -414,7 +414,7 @@ impl Layout<'_> {
     }
 }
 
-/// The words in lines of a width, each line but the first indented.
+/// Joins words to lines of at most `width` characters, and indents each line except the first.
 fn fill(words: impl Iterator<Item = String>, indent: &str, width: usize) -> String {
     let mut text = String::new();
     let mut line = indent.to_owned();

@@ -100,8 +100,9 @@ fn notes<'de, D: Deserializer<'de>>(deserializer: D) -> std::result::Result<Kwar
     }
 }
 
-/// What a recording notes of its environment and what is compared: a name in [`Trace::about`], and
-/// the fact here, from the spaces of observations and actions and the spec, if there is one.
+/// A fact about the environment that a recording notes and the comparison checks: its name in
+/// [`Trace::about`], and a function that computes the fact from the observation space, the action
+/// space and the spec, if there is one.
 type Fact = (
     &'static str,
     fn(&[String; 2], Option<&EnvSpec>) -> Option<Json>,
@@ -480,8 +481,8 @@ impl Trace {
         notes.chain(recorded).chain(self.unused()).collect()
     }
 
-    /// The names of settings that no event depends on: a version of MuJoCo that the environment does
-    /// not take, and settings of pictures if no checksum of a picture is recorded.
+    /// The names of settings on which no event depends: a version of MuJoCo for an environment
+    /// without this argument, and settings of pictures if the trace has no checksum of a picture.
     fn unused(&self) -> impl Iterator<Item = &str> {
         let parts = self.parts();
         let has = |part: &str| parts.iter().any(|(name, _)| *name == part);
@@ -515,7 +516,7 @@ impl Trace {
     fn parts(&self) -> Vec<Part> {
         let mut recorded = PARTS.to_vec();
         recorded.retain(|(_, part)| self.events.iter().any(|event| part(event).is_some()));
-        // where a masked checksum is recorded, the whole picture's is not compared
+        // if a masked checksum is recorded, the checksum of the whole picture is not compared
         for (masked, plain) in [
             ("frame_masked", "frame"),
             ("observation_masked", "observation_crc32"),

@@ -55,7 +55,7 @@ impl Clone for BoxEnv {
     }
 }
 
-/// The stack of wrappers and the environment.
+/// Prints the stack of wrappers and the environment.
 impl fmt::Display for BoxEnv {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(&self.describe())

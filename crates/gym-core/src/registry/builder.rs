@@ -196,8 +196,8 @@ impl EnvSpec {
         EnvBuilder::from_spec(self.clone()).build()
     }
 
-    /// Gymnasium passes the arguments of `make` and of the constructor together; this separates
-    /// them.
+    /// Gymnasium passes the arguments of `make` and of the constructor together; this function
+    /// takes the arguments of `make` out.
     fn take_arguments_of_make(&mut self) -> Result<()> {
         self.render_mode = self.take("render_mode")?.or(self.render_mode);
         self.disable_env_checker = self

@@ -118,7 +118,7 @@ impl VectorSpec {
 /// spec, and the boxes of its wrappers.
 const ENV_BYTES: usize = 1024;
 
-/// The option of a spec that native vectors do not support.
+/// Returns an option of the spec that native vectors do not support, if there is one.
 fn native_obstacle(spec: &EnvSpec) -> Option<&'static str> {
     if !spec.additional_wrappers.is_empty() {
         Some("its environments cannot be wrapped: wrap the vector, or make a sync or async one")

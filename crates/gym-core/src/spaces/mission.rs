@@ -280,7 +280,7 @@ mod tests {
         ] {
             assert!(!space.has(other), "{other}");
         }
-        // a word that begins with another
+        // a word that is the start of another word
         let space = MissionSpace::new("{}{}", [vec!["a", "ab"], vec!["c", "bc"]]).unwrap();
         assert!(["ac", "abc", "abbc"].iter().all(|text| space.has(text)) && !space.has("ab"));
         assert!(

@@ -297,7 +297,7 @@ impl Space {
         }
     }
 
-    /// The spaces that this one is made of, in the order in which they are seeded.
+    /// The member spaces, in the order in which Gymnasium seeds them.
     fn members(&self) -> Vec<&Self> {
         match self {
             Self::Tuple(space) => space.spaces().iter().collect(),

@@ -125,7 +125,7 @@ impl<T> Selection<T> {
         }
     }
 
-    /// Whether a space can be sampled with this.
+    /// Checks that `space` can be sampled with this selection.
     pub(super) fn check(&self, space: &Space) -> Result<(), Fault>
     where
         T: Weight,

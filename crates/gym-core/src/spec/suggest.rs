@@ -9,7 +9,7 @@ pub(crate) fn nearest<'a>(name: &str, known: impl Iterator<Item = &'a str>) -> O
     known
         .map(|known| (known.to_lowercase(), known))
         .filter(|(other, _)| {
-            // no name is more similar than their lengths are
+            // the ratio of the lengths is an upper bound of the similarity
             let other = other.chars().count();
             length.min(other) as f64 >= CUTOFF * length.max(other) as f64
         })

@@ -113,7 +113,7 @@ pub(crate) trait Numeric: Scalar + PartialOrd {
     /// 1` for an integer type, rounded to the nearest `f64`.
     fn range_end(self) -> f64;
 
-    /// As numpy's `astype`: a fraction truncates, an integer that is too large wraps.
+    /// Converts as numpy's `astype`: truncates a fraction, and wraps an integer that is too large.
     fn cast(number: Number) -> Self;
 }
 

@@ -45,7 +45,7 @@ fn check_bytes(n: usize, observation: &Space, bytes: usize) -> Result<()> {
     ))
 }
 
-/// Whether a batch can have `n` elements of this many numbers.
+/// Checks that a batch can have `n` elements of `numbers` numbers.
 fn check_len(n: usize, numbers: usize) -> Result<()> {
     let most = MAX_ELEMENTS / numbers.max(1);
     if n <= most {
@@ -57,7 +57,7 @@ fn check_len(n: usize, numbers: usize) -> Result<()> {
     Err(Error::argument("a vector", reason))
 }
 
-/// Whether the system has this much memory.
+/// Whether the system can allocate `bytes` bytes.
 fn fits(bytes: Option<usize>) -> bool {
     let mut probe = Vec::<u8>::new();
     let reserved = bytes.is_some_and(|bytes| probe.try_reserve_exact(bytes).is_ok());
@@ -104,7 +104,7 @@ mod tests {
                 .to_string()
                 .contains(&reason)
         );
-        // the size of each besides its row
+        // the memory of each sub-environment, besides its row
         for bytes in [usize::MAX, usize::MAX / 8, usize::MAX / 16] {
             assert!(
                 refusal(16, bytes)

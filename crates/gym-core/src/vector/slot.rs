@@ -305,7 +305,7 @@ impl<E: Env> Slot<E> {
         })
     }
 
-    /// Whether [`restore`](Self::restore) would be refused: tries it on a clone.
+    /// Calls [`restore`](Self::restore) on a clone, and returns the error.
     pub(super) fn check_restore(&self, spaces: &Spaces, stored: &StoredSlot) -> Result<()> {
         if self.stage == Stage::Closed {
             return Err(Error::Closed("restore"));
@@ -429,7 +429,8 @@ pub(crate) fn slot_bytes<E>(observation: &Space) -> usize {
 
 /// The sub-environments of a vector.
 ///
-/// Fails if there are none, or if their spaces differ by more than the mode allows.
+/// Returns an error if there are no sub-environments, or if their spaces differ by more than the
+/// mode allows.
 pub(super) fn slots<E: Env>(
     envs: impl IntoIterator<Item = E>,
     mode: ObservationMode,

@@ -98,7 +98,7 @@ const INVERSES: [u32; 16] = [
 #[inline(always)]
 pub(super) fn ln_1p<F: Fma>(x: f64) -> f64 {
     const LN2: [f64; 2] = [f(0x3fe6_2e42_fefa_0000), f(0x3d7c_f79a_bc9e_0000)];
-    /// Of r^9 to r^2.
+    /// The coefficients of r^9 to r^2.
     const C: [f64; 8] = [
         f(0x3fbc_81cd_309d_7c70),
         f(0xbfc0_0735_7e93_af62),

@@ -36,7 +36,7 @@ const PARTS: [f64; 4] = [
 const HALF_WAY: f64 = f64::from_bits(0x3ffa_d1fb_5444_2d18);
 const SIN_HALF_WAY: f64 = f64::from_bits(0x3fef_d27a_cee5_50dc);
 
-/// Coefficients of x^3 and x^5 of the sine, and x^2, x^4 and x^6 of 1 minus the cosine, within
+/// Coefficients of x^3 and x^5 of the sine, and x^2, x^4 and x^6 of 1 minus the cosine, for |x| <=
 /// 1/256.
 const S3: f64 = -0.166_666_666_666_664_88;
 const S5: f64 = 0.008_333_332_142_857_223;
@@ -44,7 +44,7 @@ const C2: f64 = 0.5;
 const C4: f64 = -0.041_666_666_666_666_44;
 const C6: f64 = 0.001_388_888_740_079_376;
 
-/// Coefficients of x^11, x^9, ... x^3 of the sine within ±0.126.
+/// Coefficients of x^11, x^9, ... x^3 of the sine, for |x| < 0.126.
 const SINE: [f64; 5] = [
     -2.502_201_484_831_839_8e-8,
     2.755_729_806_860_771e-6,
@@ -205,7 +205,7 @@ fn both_exact<R: Real>(a: R) -> (R, R) {
     (sin, cos)
 }
 
-/// Returns the sine of a reduced angle; If the magnitude of the angle is at least [`SMALL`],
+/// Returns the sine of a reduced angle. If the magnitude of the angle is at least [`SMALL`],
 /// `large` computes the sine of the magnitude.
 #[inline(always)]
 fn or_small<R: Real>(a: R, da: R, large: impl FnOnce() -> R) -> R {

@@ -233,7 +233,7 @@ impl Ale {
         self.observe();
     }
 
-    /// Presses RESET. The next frame cannot repeat an action from before.
+    /// Presses RESET. The next frame cannot repeat an earlier action.
     fn press_reset(&mut self) {
         self.hold(switch::IDLE & !switch::RESET, RESET_FRAMES);
         self.progress.previous = Action::Noop.into();
@@ -514,7 +514,7 @@ impl Ale {
         self.progress.over
     }
 
-    /// Whether no frame can follow: the game is over, or the episode is truncated.
+    /// Whether the game is over, or the episode is truncated.
     fn has_ended(&self) -> bool {
         self.progress.over || self.is_truncated()
     }

@@ -61,7 +61,7 @@ pub struct AtariPreprocessing<E: Env = AtariEnv> {
     lives: i32,
 }
 
-/// The state, apart from the environment's.
+/// The snapshot of the environment, and the state of the wrapper.
 #[derive(Serialize, Deserialize)]
 struct Stored {
     env: Snapshot,

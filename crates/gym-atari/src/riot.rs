@@ -117,14 +117,15 @@ impl Riot {
     }
 }
 
-/// The interval timer counts down once per interval, and below zero once per cycle.
+/// The interval timer: counts down once per interval, and once per cycle after 0.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 struct Timer {
     value: u8,
     /// The interval is `1 << shift` cycles.
     shift: u8,
     written: u64,
-    /// The value of the first read after the end, which switches back to counting intervals.
+    /// The value of the first read after the end of the interval. This read switches the timer back
+    /// to counting intervals.
     read_after_end: Option<i64>,
 }
 

@@ -13,8 +13,8 @@ use crate::screen::{Row, WIDTH};
 
 /// The most source columns, or rows, that an output pixel can cover.
 const TAPS: usize = 16;
-/// If no output pixel covers more columns than this, sums have this fixed length; the weights
-/// beyond are 0.
+/// If no output pixel covers more columns than this, all sums have this length; the weights of
+/// columns that are not covered are 0.
 const FEW: usize = 4;
 /// The number of source columns that are compared at a time.
 const CELL: usize = 8;
@@ -279,7 +279,7 @@ mod tests {
         }
     }
 
-    /// Sums kept from earlier pictures do not change the result.
+    /// The sums stored for earlier pictures do not change the result.
     #[test]
     fn changes_come_out_as_new_pictures_do() {
         for target in [(84, 84), (64, 80), (100, 33), (15, 12), (210, 160)] {

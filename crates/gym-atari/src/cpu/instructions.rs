@@ -67,7 +67,7 @@ pub(crate) enum Access {
     Read,
     /// One write.
     Write,
-    /// A read, a cycle of work, a write.
+    /// A read, a cycle that computes, a write.
     Modify,
 }
 

@@ -14,7 +14,7 @@ pub(crate) struct Core<B> {
     pub(crate) stopped: bool,
 }
 
-/// `LAX $12`.
+/// The opcode of `LAX $12`.
 const LAX_ZERO_PAGE: u8 = 0xa7;
 /// The bytes of a loop that waits for a register, such as `LDA INTIM` and a `BNE` back to `LDA`;
 /// and the cycles of one iteration.

@@ -50,8 +50,8 @@ impl Element for AtariAction {
 }
 
 /// Returns the game's action for a stick and a button. A direction counts if its coordinate exceeds
-/// `threshold`, the button if its pressure does. ale-py computes the coordinates with numpy's
-/// `float32` functions.
+/// `threshold`; the button counts if `pressure` exceeds `threshold`. ale-py computes the
+/// coordinates with numpy's `float32` functions.
 pub(super) fn from_stick([radius, angle, pressure]: [f32; 3], threshold: f32) -> Action {
     let (sin, cos) = math::numpy_sin_cos_f32(angle);
     let (x, y) = (radius * cos, radius * sin);

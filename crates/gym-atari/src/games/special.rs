@@ -1,4 +1,4 @@
-//! Games whose score is not a plain sum of digits.
+//! Games whose score is not the number that its digits form.
 
 use super::Ram;
 
@@ -78,7 +78,7 @@ impl Ram<'_> {
         }
     }
 
-    /// Superman: these bytes show the only place in which the game ends.
+    /// Superman: whether the player is at the place where the game ends, as these bytes show.
     pub(super) fn superman_is_over(&self) -> bool {
         self.at(0x00) == 0xac && self.at(0x01) == 0xf2 && self.at(0x1f) & 0x40 != 0
     }
@@ -97,7 +97,7 @@ impl Ram<'_> {
         self.at(0x7e) == 0x10 && self.at(0x7f) == 0xf3
     }
 
-    /// Video Chess: one byte shows that the game is over, another the side that won.
+    /// Video Chess: one byte shows that the game is over, another byte shows the winner.
     pub(super) fn video_chess_is_over(&self) -> bool {
         self.at(0x61) == 0x82 && self.at(0x6e) <= 1
     }

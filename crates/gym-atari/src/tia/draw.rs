@@ -140,7 +140,7 @@ impl Tia {
     /// Applies changes that take effect at the start of a line, or at the end of a visible line.
     #[inline(never)]
     fn start_row(&mut self, screen: &mut Screen) {
-        // a comb above the picture waits for the picture's first row
+        // the comb of an `HMOVE` above the picture appears on the picture's first row
         if self.comb
             && let Some(row) = self.row()
         {
@@ -262,8 +262,8 @@ impl Tia {
         }
     }
 
-    /// Whether the line has any object except the playfield, including a player whose only copy is
-    /// suppressed.
+    /// Whether the line has any object except the playfield. A player whose only copy is suppressed
+    /// counts.
     fn shows_others(&self) -> bool {
         let left_out = |i: usize| self.without_main[i] && self.graphics(i) != 0;
         !self.objects.only_playfield() || left_out(0) || left_out(1)

@@ -553,7 +553,7 @@ impl Tia {
             if object == BL { clock } else { clock + 8 },
             screen,
         );
-        // all positions in the blank give the same start
+        // all positions in the horizontal blank give the same start
         let beam = (clock as i32 - BLANK).max(-2);
         self.x[object] = match (object, self.moved.checked_sub(self.line_start), c) {
             // an `HMOVE` at the start of the line still moves some objects; measured for all
@@ -681,7 +681,7 @@ impl Tia {
     #[inline(never)]
     fn reset_player(&mut self, i: usize, c: u32, screen: &mut Screen) {
         let clock = 3 * c;
-        // all positions in the blank give the same start
+        // all positions in the horizontal blank give the same start
         let beam = (clock as i32 - BLANK).max(-2);
         let width = 8 * i32::from(objects::scale(self.nusiz[i]));
         let mut running = false;
@@ -743,7 +743,7 @@ impl Tia {
         }
         if self.display.comb && (c <= 20 || c >= 75) {
             if c >= 75 {
-                // the comb of the next line
+                // shows the comb, the black start of a line after `HMOVE`, on the next line
                 self.reach(CLOCKS_PER_LINE, screen);
             }
             self.comb = true;

@@ -28,7 +28,8 @@ pub struct PythonEnv {
 /// Whether the environment has a worker.
 #[derive(Debug)]
 enum State {
-    /// Clones and snapshots, which only borrow the environment, send requests too.
+    /// A mutex, because clones and snapshots borrow the environment immutably and also send
+    /// requests.
     Alive(Mutex<Worker>),
     /// The clone could not be made, for this reason.
     Broken(String),
@@ -202,8 +203,8 @@ impl Configure for PythonEnv {
     }
 }
 
-/// Starts another worker that loads the environment; if that fails, the clone's calls return the
-/// error.
+/// Starts another worker that loads the environment; if the worker fails, the clone's calls return
+/// the error.
 impl Clone for PythonEnv {
     fn clone(&self) -> Self {
         let (config, mode) = (self.config.clone(), self.render_mode);

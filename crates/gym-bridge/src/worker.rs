@@ -54,8 +54,8 @@ pub(crate) fn value(reply: &mut Reply<'_>) -> Option<Value> {
     reply.value()
 }
 
-/// A Python process that serves one environment. It ends when the `Worker` is dropped, or when this
-/// process ends.
+/// A Python process that serves one environment. The Python process ends when the `Worker` is
+/// dropped, or when this process ends.
 #[derive(Debug)]
 pub(crate) struct Worker {
     child: Child,

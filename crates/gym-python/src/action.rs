@@ -1,4 +1,4 @@
-//! Actions of a single environment, and how Gymnasium's environments refuse what is none.
+//! Actions of a single environment, and the errors of Gymnasium's environments for invalid actions.
 
 use gym::registry::find;
 use gym::{Space, Value};
@@ -10,7 +10,7 @@ use pyo3::types::PyTuple;
 use crate::convert::{action_from_python, numpy};
 use crate::error::gymnasium;
 
-/// How Gymnasium's environment looks at an action.
+/// How Gymnasium's environment checks an action.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Check {
     /// Requires an element of the action space.

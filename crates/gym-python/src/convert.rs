@@ -302,7 +302,7 @@ fn batch_from_python(space: &Space, object: &Bound<'_, PyAny>) -> PyResult<Value
     }
 }
 
-/// The members of a Python sequence; an error unless there are `n`.
+/// Returns the members of a Python sequence; an error unless the sequence has `n` members.
 fn members<'py>(object: &Bound<'py, PyAny>, n: usize) -> PyResult<Vec<Bound<'py, PyAny>>> {
     let items: Vec<_> = object.try_iter()?.collect::<PyResult<_>>()?;
     if items.len() == n {

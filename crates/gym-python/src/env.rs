@@ -25,11 +25,9 @@ use crate::fork::Origin;
 use crate::numbers::Numbers;
 use crate::{mujoco, peek, registry};
 
-/// An environment without wrappers. Several threads may use it: their calls come one after the
-/// other.
+/// An environment without wrappers. Calls of several threads run one after the other.
 ///
-/// The lock of Python is released while an environment works, unless its steps are so short that
-/// this would take longer.
+/// A call releases the GIL, unless the steps of the environment take less time than the release.
 #[pyclass(frozen, module = "rustgym._native")]
 #[derive(Debug)]
 pub(crate) struct Env {
@@ -44,7 +42,7 @@ pub(crate) struct Env {
     check: Check,
     /// The types of rewards and infos.
     numbers: Numbers,
-    /// Whether a step is worth releasing the lock of Python.
+    /// Whether a step takes longer than releasing the GIL.
     is_slow: bool,
     origin: Origin,
 }
@@ -135,7 +133,7 @@ impl Env {
         }
     }
 
-    /// A copy of an environment of a vector, with the wrappers it has there.
+    /// Makes an `Env` from the copy of a vector's environment, which includes its wrappers.
     pub(crate) fn of_vector(env: BoxEnv, spec: &EnvSpec) -> Self {
         let kwargs = Json::Object(spec.kwargs.clone()).to_string();
         let render_mode = spec.render_mode.map(RenderMode::name);
@@ -151,7 +149,7 @@ impl Env {
         )
     }
 
-    /// Runs something with the game of an Atari environment.
+    /// Calls `f` with the environment if the environment is an Atari game.
     pub(crate) fn with_atari<T>(
         &self,
         py: Python<'_>,
@@ -379,7 +377,7 @@ impl Env {
         let Some(Json::Object(mut arguments)) = core.env.inspect().map(Inspect::arguments) else {
             return Ok(self.kwargs.clone());
         };
-        // an id may be of a version that lacks some
+        // the version of an id may lack some arguments
         if let Ok(known) = find(&self.id).and_then(|registration| registration.arguments()) {
             arguments.retain(|name, _| known.iter().any(|argument| argument.name == name));
         }
@@ -452,7 +450,7 @@ impl Env {
         Ok(())
     }
 
-    /// Closes the window, if there is one; everything else is as it was.
+    /// Closes the window, if there is one, and changes nothing else.
     fn close(&self, py: Python<'_>) -> PyResult<()> {
         if self.render_mode.as_deref() != Some("human") {
             return Ok(());
@@ -522,7 +520,7 @@ impl Env {
         ))
     }
 
-    /// The environment that `__reduce__` took apart.
+    /// Rebuilds an environment from the parts that `__reduce__` returned.
     #[staticmethod]
     #[pyo3(signature = (id, kwargs, render_mode, wrappers, snapshot, is_running, observation))]
     #[expect(

@@ -29,7 +29,7 @@ impl Origin {
         self.0 == Self::here().0
     }
 
-    /// Refuses to wait for threads of the parent: they do not exist in this process.
+    /// Returns an error in a forked child, where the threads of the parent do not exist.
     pub(crate) fn check(self, what: &str) -> PyResult<()> {
         if self.is_here() {
             return Ok(());

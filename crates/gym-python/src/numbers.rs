@@ -24,7 +24,7 @@ enum Number {
     Int,
     /// numpy's `float64`.
     Float64,
-    /// numpy's `float32` where the action is of that type, else `float64`.
+    /// numpy's `float32` if the action is `float32`, else `float64`.
     OfAction,
 }
 
@@ -94,8 +94,8 @@ impl Numbers {
         self.reward == Number::Int
     }
 
-    /// Gives the arguments, which the environment has as `f64`, the types from which [`of`](Self::of)
-    /// makes the same.
+    /// Converts the arguments, which the environment has as `f64`, to the types from which
+    /// [`of`](Self::of) makes equal types.
     #[expect(clippy::cast_possible_truncation, reason = "they were whole numbers")]
     pub(crate) fn restore(&self, arguments: &mut Kwargs) {
         let rewards = arguments.get_mut(REWARDS).and_then(Json::as_array_mut);
@@ -130,7 +130,7 @@ impl Numbers {
         array.is_ok_and(|array| array.dtype().is_equiv_to(&dtype::<f32>(action.py())))
     }
 
-    /// The reward of a step with this action.
+    /// Returns the reward of a step with the action `action`.
     pub(crate) fn reward<'py>(
         &self,
         outcome: &Outcome,
@@ -190,7 +190,7 @@ impl Numbers {
         Ok(info)
     }
 
-    /// A column of infos, where its numbers are not of `float64`.
+    /// Converts a column of infos; `None` if its numbers are `float64`.
     #[expect(clippy::cast_possible_truncation, reason = "the type is Gymnasium's")]
     pub(crate) fn column<'py>(
         &self,

@@ -24,7 +24,7 @@ use crate::fork::Origin;
 use crate::infos::{Key, info_keys, ordered};
 use crate::numbers::Numbers;
 
-/// A vector of environments. The GIL is released while it works.
+/// A vector of environments. The vector releases the GIL during a call.
 #[pyclass(frozen, module = "rustgym._native")]
 #[derive(Debug)]
 pub(crate) struct Vector {
@@ -123,8 +123,8 @@ impl Vector {
 }
 
 impl Core {
-    /// Observations, rewards and flags as arrays: new ones, or those returned by the step before
-    /// last.
+    /// Returns arrays for observations, rewards and flags: new arrays, or the arrays that the step
+    /// before last returned.
     fn arrays<'py>(&mut self, py: Python<'py>) -> PyResult<[Bound<'py, PyAny>; 4]> {
         let Self {
             columns, spares, ..

@@ -105,7 +105,7 @@ impl Running {
 }
 
 impl Record {
-    /// Allocates for `n` environments and the episodes, so that no step does.
+    /// Allocates memory for `n` environments and the buffered episodes, so that no step allocates.
     fn reserve(&mut self, n: usize, buffer_length: usize) -> Result<()> {
         if self.running.len() != n {
             self.running.resize_with(n, || Running::new(None));

@@ -287,7 +287,7 @@ impl Equations for CartPoleDynamics {
         self.pack(state).map(|x| x as f32)
     }
 
-    /// Once the pole has fallen, the reward is 0.
+    /// Sets the reward to 0 once the pole has fallen.
     #[inline(always)]
     fn finish(&self, before: &State, _action: Action, transition: &mut Transition<State>) {
         let is_beyond = before.fallen && transition.terminated;

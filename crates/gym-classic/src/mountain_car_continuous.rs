@@ -145,7 +145,7 @@ fn advance<R: Real, const SINGLE: bool>(
             R::select(wide, x, x.single())
         }
     };
-    // for numbers that are rounded already with `SINGLE`
+    // rounds numbers that, with `SINGLE`, are already rounded
     let narrowed = |wide: R::Mask, x: R| if SINGLE { x } else { rounded(wide, x) };
 
     let pull = rounded(fresh, position * 3.0).cos() * 0.0025;

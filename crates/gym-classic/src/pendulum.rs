@@ -122,7 +122,7 @@ impl Constants<f64> {
     }
 }
 
-/// Returns the cost of a torque, and its angular acceleration. If `SINGLE`, numpy computes them in
+/// Returns the cost of a torque, and its angular acceleration. If `SINGLE`, numpy computes both in
 /// `float32`.
 #[inline(always)]
 fn effects<R: Real, const SINGLE: bool>(torque: R, per_torque: R, max_torque: R) -> [R; 2] {
@@ -351,8 +351,8 @@ const MIDDLE: f64 = 250.0;
 /// Draws an arrow around the axle with the torque's magnitude and direction. Gymnasium loads an
 /// image; this arrow has the image's size and place.
 fn draw_torque(torque: f64, scale: f64, canvas: &mut dyn Canvas) {
-    // for a radius of 1. As in Gymnasium, the arrow is not quite circular and not centred on the
-    // axle.
+    // the sizes are for a radius of 1. As in Gymnasium, the arrow is not quite circular and not
+    // centred on the axle.
     const WIDTH: f64 = 0.065; // of the line
     const WIDE: f64 = 0.973;
     const HIGH: f64 = 1.034;

@@ -58,7 +58,7 @@ inventory::submit! {
     })
 }
 
-/// Added to the variance, as by the wrapper `NormalizeObservation`.
+/// The number that the wrapper `NormalizeObservation` adds to the variance.
 const EPSILON: f64 = 1e-8;
 
 /// The controller of a network that `gym-ppo` trained and its command `export` wrote, in JSON.

@@ -141,7 +141,7 @@ impl Task for CliffWalkingDynamics {
     const INFO: bool = true;
 
     fn new(config: Config) -> Result<Self> {
-        // the turn of each outcome relative to the action
+        // for each outcome, the number of quarter turns from the action to the outcome's direction
         let turns: &[usize] = if config.is_slippery { &[3, 0, 1] } else { &[0] };
         let probability = 1.0 / turns.len() as f64;
         let p = Table::build(CELLS, Action::ALL.len(), |cell, action, outcomes| {
@@ -210,7 +210,8 @@ impl Task for CliffWalkingDynamics {
     }
 
     fn info(&self, state: &State, visit: &mut dyn FnMut(&str, Value)) {
-        // Gymnasium's reset returns an integer, as a vector's batched infos show
+        // Gymnasium's `reset` returns the probability as an integer, which decides the type of a
+        // vector's infos
         let is_start = state.last_action.is_none();
         visit(
             "prob",
@@ -262,7 +263,7 @@ impl Task for CliffWalkingDynamics {
             let [x, y] = at(cell);
             let light = (cell / COLUMNS + cell % COLUMNS).is_multiple_of(2);
             if is_cliff(cell) {
-                // the grass of the row above hangs over
+                // the grass of the row above reaches over the edge
                 rock(canvas, x, y, if light { GRASS } else { LIGHT_GRASS });
                 continue;
             }

@@ -208,7 +208,8 @@ impl Task for FrozenLakeDynamics {
         }
         let [goal, hole, other] = reward_schedule;
         let fail_rate = (1.0 - success_rate) / 2.0;
-        // the turn of each outcome relative to the action, and its probability
+        // for each outcome, the number of quarter turns from the action to the outcome's direction,
+        // and the probability
         let turns: &[(usize, f64)] = if is_slippery {
             &[(3, fail_rate), (0, success_rate), (1, fail_rate)]
         } else {
@@ -296,7 +297,8 @@ impl Task for FrozenLakeDynamics {
     }
 
     fn info(&self, state: &State, visit: &mut dyn FnMut(&str, Value)) {
-        // Gymnasium's reset returns an integer, as a vector's batched infos show
+        // Gymnasium's `reset` returns the probability as an integer, which decides the type of a
+        // vector's infos
         let is_start = state.last_action.is_none();
         visit(
             "prob",
@@ -539,7 +541,7 @@ fn has_path(board: &[Vec<u8>]) -> bool {
     let mut discovered = vec![false; size * size];
     let mut frontier = vec![(0, 0)];
     while let Some((row, col)) = frontier.pop() {
-        // stepping off the top or left wraps around and is out of range, too
+        // a step off the top or left wraps around to a large number, which is out of range too
         let on_ice = row < size && col < size && board[row][col] != b'H';
         if !on_ice || std::mem::replace(&mut discovered[row * size + col], true) {
             continue;

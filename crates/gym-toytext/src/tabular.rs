@@ -443,7 +443,7 @@ impl Distribution {
             .collect();
         let mut possible = (0..probabilities.len()).filter(|&state| probabilities[state] > 0.0);
         let only = match (possible.next(), possible.next()) {
-            // with a probability of exactly 1, every draw gives this state
+            // with a probability of exactly 1, every drawn number selects this state
             (Some(state), None) if probabilities[state] == 1.0 => Some(state),
             _ => None,
         };
@@ -548,7 +548,7 @@ mod tests {
         }
     }
 
-    /// As few outcomes as a [`Row`] holds, and more.
+    /// Tests numbers of outcomes that a [`Row`] can hold, and a larger number.
     #[test]
     fn a_draw_above_all_sums_gives_the_first_outcome() {
         for n in [2, 3, 4, 9] {

@@ -17,8 +17,8 @@ const HIDDEN: usize = 64;
 /// Images per gradient computation: few enough that the activations fit the CPU's caches.
 const PICTURES: usize = 32;
 
-/// The policy and value networks. For rows of numbers they are two networks of equal shape; for
-/// images they are two linear layers on the features of one encoder.
+/// The policy and value networks. For observations of numbers, the two networks have equal shapes.
+/// For images, both are a linear layer on the features of a shared encoder.
 pub(crate) struct Network {
     encoder: Option<Encoder>,
     policy: Layers,
@@ -238,7 +238,7 @@ const CONVOLUTIONS: [(usize, usize); 2] = [(4, 16), (2, 32)];
 /// Two convolutions and a dense layer: the network of Mnih et al., "Playing Atari with Deep
 /// Reinforcement Learning" (2013).
 struct Encoder {
-    /// Their weights have the layout that [`convolve`] takes.
+    /// The weights of the convolutions have the layout that [`convolve`] takes.
     convolutions: [Layer; 2],
     dense: Layer,
 }
@@ -346,7 +346,7 @@ impl Encoder {
         ])
     }
 
-    /// Returns weights and bias of each layer, detached: candle computes no gradients for them.
+    /// Returns weights and bias of each layer, detached, so that candle computes no gradients.
     fn tensors(&self) -> [(Tensor, Tensor); 3] {
         let [first, second] = &self.convolutions;
         [first, second, &self.dense].map(|layer| (layer.weights.detach(), layer.bias.detach()))

@@ -17,7 +17,7 @@ use crate::episode::Episode;
 pub(crate) struct Parameters {
     /// The number of policies in a generation.
     population: usize,
-    /// The share of them that makes the next generation.
+    /// The share of the policies from which the next generation is made.
     elite: f64,
     /// The standard deviation of the first generation's weights.
     spread: f64,
@@ -279,7 +279,8 @@ mod tests {
         CrossEntropy::new(env, Seed::from(seed), parameters).unwrap()
     }
 
-    /// With the page's parameters no search is stuck. (The page's own test tries 200 seeds.)
+    /// With the page's parameters, every search learns to balance. (The page's own test tries 200
+    /// seeds.)
     #[test]
     fn linear_policies_learn_to_balance() {
         const POPULATION: usize = 40;
@@ -323,7 +324,7 @@ mod tests {
         assert!(learner.spread() >= REMAINING * square.sqrt());
     }
 
-    /// The best policy of a generation is the first of the next.
+    /// The best policy of a generation is the first policy of the next generation.
     #[test]
     fn the_best_policy_is_tried_again() {
         let parameters =

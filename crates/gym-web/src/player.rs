@@ -25,7 +25,7 @@ const MARKS: usize = 40;
 pub(crate) enum By {
     /// A random action.
     Random,
-    /// The good policy.
+    /// The action of the known policy.
     Good,
     /// The caller.
     Action(Value),
@@ -54,7 +54,7 @@ pub(crate) struct Player {
 }
 
 impl Player {
-    /// Makes the environment. If `fit` is given, its pictures fit into a square of that size.
+    /// Makes the environment. If `fit` is given, the pictures fit into a square of the size `fit`.
     pub(crate) fn new(id: &str, kwargs: &Kwargs, fit: Option<u32>) -> Result<Self> {
         let builder = gym::builder(id)
             .args(kwargs.clone())
@@ -157,7 +157,7 @@ impl Player {
         Ok(())
     }
 
-    /// Returns the action of the good policy.
+    /// Returns the action of the known policy.
     fn good(&mut self) -> Result<Value> {
         let missing = || {
             Error::custom(format!(

@@ -55,8 +55,8 @@ fn starts() {
                     json!(&expected.as_array().expect("four")[1..]),
                     "{name}"
                 );
-                // an arc tangent, which is correctly rounded here but not always in the C library;
-                // the generation of the track compares the angle
+                // alpha is an arc tangent, which is correctly rounded here, but not always in the C
+                // library with which Gymnasium was recorded
                 let alpha = expected[0].as_f64().expect("a number");
                 assert!(
                     [alpha.next_down(), alpha, alpha.next_up()].contains(&p.alpha),

@@ -281,7 +281,7 @@ fn first_number(json: &mut Json) -> Option<&mut Json> {
     }
 }
 
-/// Steps are counted up to a number above every limit, and no further.
+/// The step count stops at a number above every limit.
 #[test]
 fn an_episode_without_a_limit_goes_on_for_ever() {
     let spec = EnvSpec {

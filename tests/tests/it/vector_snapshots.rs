@@ -463,8 +463,8 @@ fn statistics_of_fewer_environments_are_refused() {
     }
 }
 
-/// A due reset belongs to the vector: restoring the environments' own snapshots loses it, restoring
-/// the vector's snapshot keeps it.
+/// A due reset belongs to the vector: restoring the environments' own snapshots loses the due
+/// reset, and restoring the vector's snapshot keeps it.
 #[test]
 fn a_reset_that_is_due_is_part_of_the_state() {
     for kind in KINDS {

@@ -16,7 +16,7 @@ const IDS: [&str; 6] = [
     "Taxi-v4",
 ];
 
-/// Wraps a vector in the wrapper number `which`, if that supports the vector.
+/// Wraps a vector in the wrapper number `which`, if the wrapper supports the vector.
 fn wrap(envs: Box<dyn VectorEnv>, which: u32, x: f64) -> Result<Box<dyn VectorEnv>> {
     Ok(match which {
         0 => Box::new(RecordEpisodeStatistics::with_config(
@@ -274,7 +274,7 @@ fn a_reset_by_mask_leaves_the_other_rows() {
         };
         let before = rows(&columns);
         for _ in 0..2 {
-            // also into columns that did not contain the rows before
+            // the same with columns that did not contain the rows before
             let mut columns = gym::vector::Columns::default();
             envs.reset_into(
                 &VectorReset::default().mask([true, false, false]),
@@ -476,7 +476,7 @@ fn a_smaller_buffer_keeps_the_last_episodes() {
         envs.step_into(&actions, &mut columns).unwrap();
     }
     assert_eq!((envs.episode_count(), envs.episodes().len()), (20, 20));
-    // (a snapshot contains no seconds)
+    // without seconds, which a snapshot does not contain
     let told = |episode: &EpisodeStatistics| (episode.episode_return, episode.length);
     let last: Vec<_> = envs.episodes().skip(15).map(told).collect();
     let config = record_episode_statistics::Config {

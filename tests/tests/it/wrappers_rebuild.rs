@@ -609,8 +609,8 @@ fn base((id, order, check, limit, mode): (u8, bool, bool, Option<u32>, u8)) -> B
     }
 }
 
-/// Adds a wrapper, or returns an error if it does not support the environment. Also returns whether
-/// the wrapper has a stored form.
+/// Adds a wrapper. Returns an error if the wrapper does not support the environment. Also returns
+/// whether the wrapper has a stored form.
 fn around(env: BoxEnv, (kind, x): (u8, u8)) -> Result<(BoxEnv, bool)> {
     use gym::wrappers::*;
     let n = u32::from(x % 4) + 1;

@@ -16,7 +16,7 @@ use crate::twists::{twists, with_seed};
 
 // state that clones share
 twists! {
-    // its info is of the last step of any clone
+    // `info` describes the last step of any clone
     "clone-apart.info" TellsOfItsClones {
         fn copied(env: &Of<Self>) -> Mind {
             Mind { shared: Arc::clone(&env.mind.shared), ..env.mind.clone() }
@@ -113,7 +113,7 @@ twists! {
         }
     }
 
-    // so does the second `close`, after another episode
+    // a second `close`, in a later episode than the first, spoils the environment
     "close-harmless.in-two-episodes" SpoiltByALaterClose {
         fn reset(env: &mut Of<Self>, reset: &Reset, observation: &mut Value) -> Result<()> {
             env.mind.own = env.mind.own.next_multiple_of(2);
@@ -185,7 +185,7 @@ twists! {
 
 // resets
 twists! {
-    // the option counts until the next reset with a seed
+    // the option applies until the next reset with a seed
     "reset-forgets.option-without-a-seed" KeepsAnOptionForLong, reset_options(&[("start", "0.25")]) {
         fn reset(env: &mut Of<Self>, reset: &Reset, observation: &mut Value) -> Result<()> {
             let until = if reset.seed.is_some() { 0 } else { u64::MAX };
@@ -193,7 +193,7 @@ twists! {
         }
     }
 
-    // the option counts for the next two episodes, too
+    // the option applies to the next two episodes too
     "reset-forgets.option-twice-more" KeepsAnOptionTwice, reset_options(&[("start", "0.25")]) {
         fn reset(env: &mut Of<Self>, reset: &Reset, observation: &mut Value) -> Result<()> {
             let until = if reset.seed.is_some() { 0 } else { 2 };
@@ -201,7 +201,7 @@ twists! {
         }
     }
 
-    // the option counts for each later reset with the same seed
+    // the option applies to each later reset with the same seed
     "reset-forgets.option-by-seed" KeepsTheStartOfASeed, reset_options(&[("start", "0.25")]) {
         fn reset(env: &mut Of<Self>, reset: &Reset, observation: &mut Value) -> Result<()> {
             let mut options = reset.options.clone();
@@ -217,7 +217,7 @@ twists! {
         }
     }
 
-    // the option counts for the next episode, if its own has ended
+    // if the option's episode has ended, the option applies to the next episode too
     "reset-forgets.option-after-an-end" KeepsAnOptionPastAnEnd, reset_options(&[("start", "0.25")]) {
         fn reset(env: &mut Of<Self>, reset: &Reset, observation: &mut Value) -> Result<()> {
             let mut options = reset.options.clone();
@@ -231,7 +231,7 @@ twists! {
         }
     }
 
-    // the option counts from the third later reset with its seed on
+    // the option applies from the third later reset with the same seed on
     "reset-forgets.option-by-seed-later" KeepsTheStartForLater, reset_options(&[("start", "0.25")]) {
         fn reset(env: &mut Of<Self>, reset: &Reset, observation: &mut Value) -> Result<()> {
             let mut options = reset.options.clone();

@@ -22,7 +22,7 @@ pub(crate) struct Twisted<T: Twist> {
     twist: PhantomData<fn() -> T>,
 }
 
-/// The memory of a twist. Snapshots do not contain it.
+/// The memory of a twist, which snapshots do not contain.
 #[derive(Debug, Default)]
 pub(crate) struct Mind {
     /// The steps since the last seed.

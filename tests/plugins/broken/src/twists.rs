@@ -19,7 +19,8 @@ use serde_json::Value as Json;
 use crate::arguments::{Anything, Number};
 use crate::twisted::{Mind, Twist, Twisted as Of};
 
-/// Defines twists, and registers a walk with each under the name of the check that must find it.
+/// Defines twists, and registers a walk with each twist under the name of the check that must find
+/// the twist.
 macro_rules! twists {
     ($($name:literal $Twist:ident $(($Arguments:ident))? $(, $method:ident($($argument:expr)?))* { $($item:item)* })*) => {$(
         #[doc = concat!("`", $name, "`")]

@@ -399,7 +399,7 @@ impl<C: 'static> Env for Walk<C> {
         self.age = self.age.saturating_add(1);
         state.wind = state.rng.uniform(-1.0, 1.0);
         let moved = state.position + direction * STEP + state.wind * WIND + disturbance;
-        // the walk may leave the line if the action is not checked
+        // without a check of the action, the walk may leave the line
         let reach = match self.fault {
             Fault::SnapshotLegal => state.position.abs().max(1.0),
             _ => direction.abs().max(1.0),

@@ -101,7 +101,8 @@ fn an_unregistered_environment_is_checked_as_well() {
     assert_eq!(check(broken_envs::Fault::Constructs), ["constructs"]);
 }
 
-/// A third-party wrapper that drops a limit is found, although neither is registered.
+/// A third-party wrapper that drops a limit is found, although neither the wrapper nor its
+/// environment is registered.
 #[test]
 fn a_limit_that_is_lost_on_the_way_is_seen_without_a_registration() {
     #[derive(Clone, Debug)]

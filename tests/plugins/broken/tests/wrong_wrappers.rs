@@ -18,7 +18,7 @@ enum Fault {
     Seed,
     /// Does not store its count.
     Snapshot,
-    /// Counts on after a reset.
+    /// Continues its count after a reset.
     Reset,
     /// Shares its count with its clones.
     Clone,

@@ -139,7 +139,7 @@ impl<'a, R: BufRead> Reader<'a, R> {
         Some(())
     }
 
-    fn told<T>(&mut self, read: io::Result<T>) -> Option<T> {
+    fn or_failure<T>(&mut self, read: io::Result<T>) -> Option<T> {
         read.map_err(|error| self.failure = Some(error)).ok()
     }
 
@@ -147,7 +147,7 @@ impl<'a, R: BufRead> Reader<'a, R> {
         self.reserve(N)?;
         let mut bytes = [0; N];
         let read = self.stream.read_exact(&mut bytes);
-        self.told(read).map(|()| bytes)
+        self.or_failure(read).map(|()| bytes)
     }
 
     pub(crate) fn byte(&mut self) -> Option<u8> {
@@ -170,7 +170,7 @@ impl<'a, R: BufRead> Reader<'a, R> {
         self.reserve(length)?;
         let mut text = vec![0; length];
         let read = self.stream.read_exact(&mut text);
-        self.told(read)?;
+        self.or_failure(read)?;
         String::from_utf8(text).ok()
     }
 
@@ -277,7 +277,7 @@ impl<'a, R: BufRead> Reader<'a, R> {
             *array = Array::zeros(dtype, shape).ok()?;
         }
         let read = array.read_from(self.stream);
-        self.told(read)
+        self.or_failure(read)
     }
 }
 

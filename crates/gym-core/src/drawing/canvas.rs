@@ -458,17 +458,17 @@ mod tests {
     #[derive(Default)]
     struct Drawn(Vec<String>);
 
-    fn told(shape: Shape<'_>, width: Option<f64>) -> String {
+    fn described(shape: Shape<'_>, width: Option<f64>) -> String {
         format!("{shape:?}, {width:?}")
     }
 
     impl Canvas for Drawn {
         fn clear(&mut self, _color: Color) {}
         fn fill(&mut self, shape: Shape<'_>, _color: Color) {
-            self.0.push(told(shape, None));
+            self.0.push(described(shape, None));
         }
         fn stroke(&mut self, shape: Shape<'_>, width: f64, _color: Color) {
-            self.0.push(told(shape, Some(width)));
+            self.0.push(described(shape, Some(width)));
         }
         fn text(
             &mut self,
@@ -568,7 +568,7 @@ mod tests {
             smooth(&mut drawn, primitive, Color::rgb(0, 0, 0));
             let expected: Vec<_> = expected
                 .iter()
-                .map(|(shape, width)| told(*shape, *width))
+                .map(|(shape, width)| described(*shape, *width))
                 .collect();
             assert_eq!(drawn.0, expected, "{primitive:?}");
         }

@@ -258,7 +258,7 @@ impl<E: Env> AsyncVectorEnv<E> {
             && let Some(group) = self.ready.remove(failed)
         {
             return self
-                .welcome(group)
+                .take_back(group)
                 .map_or(Ok(()), |(index, error)| Err(error.at_env(index)));
         }
         columns.prepare(&self.spaces.observation, m)?;
@@ -271,7 +271,7 @@ impl<E: Env> AsyncVectorEnv<E> {
             ids.extend(&group.indices);
             result =
                 result.and(columns.copy_rows(&self.spaces.observation, row, &group.columns, 0..1));
-            self.welcome(group);
+            self.take_back(group);
         }
         result
     }
@@ -360,7 +360,7 @@ impl<E: Env> AsyncVectorEnv<E> {
     /// Takes the sub-environments of all packed groups back, and returns `error`.
     fn unpack(&mut self, error: Error) -> Result<()> {
         while let Some(group) = self.outgoing.pop() {
-            self.welcome(group);
+            self.take_back(group);
         }
         Err(error)
     }
@@ -378,7 +378,7 @@ impl<E: Env> AsyncVectorEnv<E> {
     }
 
     /// Takes back the sub-environments of a group, and returns the first error.
-    fn welcome(&mut self, mut group: Group<E>) -> Option<(usize, Error)> {
+    fn take_back(&mut self, mut group: Group<E>) -> Option<(usize, Error)> {
         let Group {
             indices,
             slots,
@@ -442,7 +442,7 @@ impl<E: Env> AsyncVectorEnv<E> {
                     columns.copy_rows(&self.spaces.observation, run[0], &group.columns, rows);
                 result = result.and(copied);
             }
-            if let Some(error) = self.welcome(group)
+            if let Some(error) = self.take_back(group)
                 && failed.as_ref().is_none_or(|first| error.0 < first.0)
             {
                 failed = Some(error);
@@ -553,7 +553,7 @@ impl<E: Env> VectorEnv for AsyncVectorEnv<E> {
             }
         }
         while let Some(group) = self.ready.pop_front() {
-            self.welcome(group);
+            self.take_back(group);
         }
         self.home.iter_mut().flatten().for_each(|slot| slot.close());
     }

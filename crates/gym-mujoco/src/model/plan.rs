@@ -54,10 +54,10 @@ pub(crate) struct Plan {
     pub(crate) constraints: ModelConstraints,
     /// Whether all constraint rows are inequalities: limits, and contacts without elliptic cones.
     /// Solvers then need not read the type of a row.
-    pub(crate) plain: bool,
+    pub(crate) inequalities_only: bool,
     /// Tendons.
     pub(crate) paths: Paths,
-    /// Whether all actuators are plain motors on slides and hinges.
+    /// Whether all actuators are motors (constant gain, no bias) on slides and hinges.
     pub(crate) motors: bool,
     /// Whether all actuator forces on degrees of freedom depend on controls alone.
     pub(crate) steady: bool,
@@ -300,7 +300,7 @@ impl Plan {
             deep: false,
             sizes: [0; 15],
             limits: Vec::new(),
-            plain: {
+            inequalities_only: {
                 let elliptic = m.opt.cone == Cone::Elliptic;
                 !elliptic && !ModelConstraints::new(m).can_pull()
             },

@@ -22,15 +22,15 @@ const PARALLEL: f64 = 0.996;
 const MOST: usize = 4;
 
 /// A reference face, and the incident face or edge of the other shape.
-struct Lie {
+struct Incidence {
     /// Which of the two shapes has the face.
     shape: usize,
     face: Face,
-    other: Other,
+    incident: Incident,
 }
 
 /// The feature of the other shape that is clipped against the reference face.
-enum Other {
+enum Incident {
     Face(Face),
     Edge([Vec3; 2]),
 }
@@ -48,51 +48,51 @@ pub(super) fn contacts(
     };
     let [side, polygon, cut] = &mut polytope.polygons;
     polygon.clear();
-    let lie = lie([a, b], &touch);
+    let incidence = find_incidence([a, b], &touch);
     let grown = [a, b].map(|solid| match solid.kind {
         GeomType::Capsule => 0.0, // the collision of capsules adds the radius
         _ => 0.5 * margin,
     });
-    if let Some(lie) = &lie {
-        outline([a, b][lie.shape], lie.face.number, side);
-        match &lie.other {
-            Other::Face(face) => outline([a, b][1 - lie.shape], face.number, polygon),
-            Other::Edge(ends) => polygon.extend(ends),
+    if let Some(incidence) = &incidence {
+        outline([a, b][incidence.shape], incidence.face.number, side);
+        match &incidence.incident {
+            Incident::Face(face) => outline([a, b][1 - incidence.shape], face.number, polygon),
+            Incident::Edge(ends) => polygon.extend(ends),
         }
-        cut_by_sides(polygon, side, lie.face.normal, cut);
-        let height = |p: Vec3| dot(sub(p, side[0]), lie.face.normal);
+        cut_by_sides(polygon, side, incidence.face.normal, cut);
+        let height = |p: Vec3| dot(sub(p, side[0]), incidence.face.normal);
         polygon.retain(|p| height(*p) <= grown[0] + grown[1]);
         if polygon.len() > MOST {
             keep(polygon, largest(polygon));
-        } else if polygon.len() > 2 && matches!(lie.other, Other::Edge(_)) {
+        } else if polygon.len() > 2 && matches!(incidence.incident, Incident::Edge(_)) {
             keep(polygon, furthest_apart(polygon));
         }
     }
-    match lie {
-        Some(lie) if !polygon.is_empty() => {
+    match incidence {
+        Some(incidence) if !polygon.is_empty() => {
             for &p in polygon.iter() {
-                push(lie.touch(p, side[0], grown).hit(margin));
+                push(incidence.touch(p, side[0], grown).hit(margin));
             }
         }
         _ => push(touch.hit(margin)),
     }
 }
 
-impl Lie {
+impl Incidence {
     /// Returns the contact at the point `p` of the incident feature. `corner` is a corner of the
     /// reference face; `grown` is half the margin for each shape, and 0 for a capsule.
     fn touch(&self, p: Vec3, corner: Vec3, grown: [f64; 2]) -> Touch {
         let normal = self.face.normal;
-        let outward = match &self.other {
-            Other::Face(face) => face.normal,
-            Other::Edge(_) => scale(normal, -1.0),
+        let outward = match &self.incident {
+            Incident::Face(face) => face.normal,
+            Incident::Edge(_) => scale(normal, -1.0),
         };
         let on_face = add_scaled(p, normal, -dot(sub(p, corner), normal));
         let mut dist = dot(sub(on_face, p), outward);
         let mut points = [add_scaled(on_face, outward, -dist); 2];
         points[self.shape] = on_face;
-        let between = match (&self.other, self.shape) {
-            (Other::Edge(_), 0) => normal,
+        let between = match (&self.incident, self.shape) {
+            (Incident::Edge(_), 0) => normal,
             _ => scale(if self.shape == 0 { outward } else { normal }, -1.0),
         };
         for (point, by) in points.iter_mut().zip([grown[0], -grown[1]]) {
@@ -110,16 +110,16 @@ impl Lie {
 }
 
 /// Finds a reference face and an incident face or edge; `None` if none are parallel.
-fn lie(solids: [Solid<'_>; 2], touch: &Touch) -> Option<Lie> {
+fn find_incidence(solids: [Solid<'_>; 2], touch: &Touch) -> Option<Incidence> {
     let [w1, w2] = touch.points;
     let outward = [sub(w1, w2), sub(w2, w1)];
     let spans = touch.corners.map(Dimension::of);
     let found = [0, 1].map(|k| faces(solids[k], &spans[k], outward[k]));
     if let Some([first, second]) = parallel(&found, outward) {
-        return Some(Lie {
+        return Some(Incidence {
             shape: 0,
             face: first,
-            other: Other::Face(second),
+            incident: Incident::Face(second),
         });
     }
     let [d1, d2] = [&spans[0], &spans[1]].map(|span| span.number);
@@ -141,11 +141,13 @@ fn lie(solids: [Solid<'_>; 2], touch: &Touch) -> Option<Lie> {
             }
             let flat = |edge: &&Edge| dot(edge.direction, face.normal).abs() < SLOPE;
             if let Some(edge) = edges.iter().find(flat) {
-                return edge.ends(solids[with_edge], face.normal).map(|ends| Lie {
-                    shape: with_face,
-                    face: *face,
-                    other: Other::Edge(ends),
-                });
+                return edge
+                    .ends(solids[with_edge], face.normal)
+                    .map(|ends| Incidence {
+                        shape: with_face,
+                        face: *face,
+                        incident: Incident::Edge(ends),
+                    });
             }
         }
     }

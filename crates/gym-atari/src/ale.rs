@@ -326,7 +326,7 @@ impl Ale {
     }
 
     /// Returns the command to execute: the previous command with the sticky probability, otherwise
-    /// `command`, without its action if that is not legal.
+    /// `command`, without its action if the action is not legal.
     pub(crate) fn stick(&mut self, command: Command) -> Command {
         if self.progress.generator.random() < self.settings.repeat_action_probability {
             self.progress.previous

@@ -336,8 +336,9 @@ const fn may_switch(opcode: u8, case: u8) -> bool {
     named && case == case::ANY
 }
 
-/// Executes the first instruction of `ops`, then the others. The function is compiled for a `CASE`;
-/// if the case does not cover the instruction, it executes the instruction with the case `AGAIN`.
+/// Executes the first instruction of `ops`, then the others. The function is compiled for a `CASE`.
+/// If the case does not cover the instruction, the function executes the instruction with the case
+/// `AGAIN`.
 ///
 /// Rare work is done in the function for `AGAIN`, which is called last: any earlier call would make
 /// each instruction save registers.

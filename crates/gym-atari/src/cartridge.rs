@@ -249,8 +249,7 @@ impl Cartridge {
 
 /// A kind of cartridge. The processor's code is compiled for each kind.
 pub(crate) trait Kind: 'static {
-    /// The number of addresses, from the first on, that only read: no access to them has a side
-    /// effect.
+    /// The number of addresses, from the first on, for which no access has a side effect.
     const PLAIN: u16;
     /// The size in bytes of a window: the address range that a bank switch replaces, a bank or a
     /// part of a bank.

@@ -380,7 +380,7 @@ impl<B: Bus> Core<B> {
                 self.cpu.pc = self.cpu.pc.wrapping_add(1);
             }
             Operation::Nop => {}
-            // repeats forever: the next call executes it again
+            // repeats forever: the next call executes the instruction again
             Operation::Jam => {
                 self.cpu.pc = self.cpu.pc.wrapping_sub(1);
                 self.stop();

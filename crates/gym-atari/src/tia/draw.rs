@@ -12,7 +12,7 @@ use super::registers::bit;
 use super::{BL, BLANK, CLOCKS_PER_LINE, M0, M1, OBJECTS, P0, P1, PF, Tia, objects};
 use crate::screen::{Screen, WIDTH};
 
-/// The pixels of the current line that may differ from the line above, and those of the next line.
+/// The pixels of the current line, and of the next line, that may differ from the line above.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Differing {
     here: Pixels,

@@ -65,7 +65,7 @@ fn a_lander_may_leave_on_neither_side() {
             .unwrap();
         let last = loop {
             assert!(seen[0].abs() < 1.0, "it goes on at {}", seen[0]);
-            // leans to its side and keeps its height
+            // leans to the side `side`, and keeps the height
             let turn = (-0.3 * side - seen[4]) * 0.5 - seen[5];
             let engine = match () {
                 () if seen[3] < 0.0 => 2,

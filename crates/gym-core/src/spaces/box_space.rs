@@ -427,8 +427,8 @@ fn settle<T: Numeric>(x: f64, low: T, high: T) -> T {
     }
 }
 
-/// The stored form. A bound is one number if all elements share it, and `"inf"` or `"-inf"` if it
-/// is infinite.
+/// The stored form. A bound is one number if all elements have equal bounds, and `"inf"` or
+/// `"-inf"` for an infinite number.
 #[derive(Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct Description {

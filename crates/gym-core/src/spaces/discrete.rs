@@ -269,8 +269,8 @@ macro_rules! discrete {
 
             #[inline(always)]
             fn from_item(index: i64) -> Self {
-                // the compiler turns this loop into a minimum and vectorises it, which it cannot do
-                // with a look-up
+                // the compiler turns this loop into a minimum and vectorises the minimum; a look-up
+                // would not be vectorised
                 let mut action = Self::ALL[Self::ALL.len() - 1];
                 $(
                     if index == Self::$variant as i64 {

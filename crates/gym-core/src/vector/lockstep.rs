@@ -82,8 +82,8 @@ pub(crate) trait SlotGroup<E>: Send {
     /// Computes the shared part for all slots that have begun.
     fn solve(&mut self);
 
-    /// Gives `slot` the result of [`solve`](Self::solve), before it serves its request. If `solve`
-    /// panics, the slot's next call returns the error.
+    /// Gives `slot` the result of [`solve`](Self::solve), before `slot` serves its request. If
+    /// `solve` panics, the slot's next call returns the error.
     fn collect(&mut self, slot: &mut Slot<E>, request: &Request);
 }
 

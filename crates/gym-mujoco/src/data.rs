@@ -144,8 +144,8 @@ pub struct Data {
     /// Iterations of the solver, by island.
     pub solver_niter: Vec<usize>,
 
-    /// The call that computed the derived arrays, and the state it started from; `None` if nothing
-    /// is computed yet.
+    /// The call that computed the derived arrays, and the state from which the call started; `None`
+    /// before the first call.
     pub(crate) last: Option<Call>,
     before: State,
     /// Whether `cfrc_ext` belongs to the last call.
@@ -433,7 +433,7 @@ impl Data {
         state
     }
 
-    /// Copies the state to `state`. If no force is applied, it stores empty force arrays.
+    /// Copies the state to `state`, with empty force arrays if no force is applied.
     fn copy_state(&self, state: &mut State, pushed: bool) {
         state.time = self.time;
         for_parts!(self, &mut *state, clone_from);
@@ -494,7 +494,8 @@ impl Data {
         self.work.skips = true;
     }
 
-    /// Stores the state from which the second half of a step starts, beside that of the first half.
+    /// Stores the state from which the second half of a step starts, in addition to the state of
+    /// the first half.
     pub(crate) fn go_on(&mut self, m: &Model) {
         if !matches!(self.last, Some(Call::Step1 | Call::Forward)) {
             return self.begin(m, Call::Step2);

@@ -43,7 +43,7 @@ const MAX_DEPTH: usize = 200;
 /// The place of an element in the text, for errors that are found after reading.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct Place {
-    /// The included file that contains it; empty for the text itself.
+    /// The path of an included file that contains the element; empty for the text itself.
     file: String,
     line: u32,
     element: String,

@@ -60,8 +60,8 @@ impl Pair {
     }
 }
 
-/// The distance test of a pair. It is separate from [`Pair`] because few pairs pass it: the test
-/// reads less memory.
+/// The distance test of a pair. Few pairs pass the test, so `Reach` is separate from [`Pair`]: the
+/// test reads less memory.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Reach {
     pub(crate) geom: [usize; 2],
@@ -90,14 +90,14 @@ impl Reach {
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Column {
     pub(crate) dof: usize,
-    /// The root of the tree of the body that it moves.
+    /// The root of the tree of the body that the degree of freedom moves.
     pub(crate) root: usize,
     pub(crate) sign: f64,
 }
 impl Plan {
     /// All pairs in the order of MuJoCo's `mj_collision`: by bodies, then by the geoms of the pair.
     pub(super) fn find_pairs(&self, m: &CompiledModel) -> Result<Vec<Pair>> {
-        /// The limit over all pairs; a model beyond it would take gigabytes.
+        /// The limit over all pairs. A model above this limit would take gigabytes.
         const MOST_COLUMNS: usize = 4_000_000;
         let mut excluded = m.exclude_signature.clone();
         excluded.sort_unstable();

@@ -65,9 +65,9 @@ pub(crate) struct Plan {
     pub(crate) servos: bool,
     /// Whether the engine must compute lengths and velocities of actuators.
     pub(crate) transmits: bool,
-    /// The period of each actuator's setpoint if it is an angle; 0 for others.
+    /// The period of each actuator's setpoint if the setpoint is an angle; 0 for others.
     pub(crate) periods: Vec<f64>,
-    /// Whether a tendon limits the total actuator force on it.
+    /// Whether a tendon limits the total force of its actuators.
     pub(crate) tendon_forces: bool,
     /// Whether a body has gravity compensation.
     pub(crate) gravcomp: bool,
@@ -83,7 +83,7 @@ pub(crate) struct Plan {
     pub(crate) gravity: [f64; 3],
     /// Whether Euler's method treats damping implicitly.
     pub(crate) damped: bool,
-    /// Whether the model's integrator is Euler and it treats damping implicitly.
+    /// Whether the model's integrator is Euler with implicit damping.
     pub(crate) implicit: bool,
     /// Joints with springs.
     pub(crate) springs: Vec<usize>,
@@ -123,8 +123,8 @@ impl Placed {
         }
     }
 
-    /// A pose in the body's frame. A frame that is nearly equal to the body's is replaced by it:
-    /// MuJoCo's `sameframe`.
+    /// A pose in the body's frame. The body's frame replaces a frame that is nearly equal: MuJoCo's
+    /// `sameframe`.
     fn within(pos: &[f64; 3], quat: &[f64; 4]) -> Self {
         let turned = !same_quat(quat, &[1.0, 0.0, 0.0, 0.0]);
         Self {
@@ -404,7 +404,7 @@ impl Plan {
             bounds.blocks += contacts;
             bounds.rows += contacts * pair.rows;
         }
-        // hardly any state reaches this number of rows: beyond it, buffers grow on demand
+        // few states reach this number of rows; for more rows, buffers grow on demand
         const MOST_ROWS: usize = 4000;
         if bounds.rows > MOST_ROWS {
             Bounds::default()

@@ -123,7 +123,7 @@ pub(crate) fn add_scaled(a: &mut [Lanes], b: &[Lanes], s: f64) {
 }
 
 /// A linear combination of rows of a matrix, added one row after the other. Each group of four
-/// stays in a register until it is complete.
+/// stays in a register until the sum is complete.
 ///
 /// For each of `count` terms, `term` gives the start of the row and the factor.
 #[inline(always)]

@@ -57,8 +57,8 @@ pub(super) fn solve_fast(m: &Model, d: &mut Data) {
 /// The buffers of `implicit`.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Buffers {
-    /// For each row of the matrix: the columns that can be nonzero. These are the ancestors of a
-    /// degree of freedom, itself and its descendants.
+    /// For each row of the matrix: the columns that can be nonzero. For a degree of freedom, these
+    /// are its ancestors, the degree of freedom itself, and its descendants.
     columns: Vec<Vec<usize>>,
     slopes: Vec<f64>,
     lu: Vec<f64>,

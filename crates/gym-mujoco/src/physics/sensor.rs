@@ -341,8 +341,8 @@ fn of_object(
     }
 }
 
-/// The acceleration of an object: MuJoCo's `mj_objectAcceleration`. From 4.0 on it includes gravity
-/// for static bodies too.
+/// The acceleration of an object: MuJoCo's `mj_objectAcceleration`. From 4.0 on, the acceleration
+/// includes gravity for static bodies too.
 fn object_acceleration(m: &Model, d: &Data, kind: ObjectType, id: usize, own_axes: bool) -> Vec6 {
     if m.revision == Revision::V3_12 && fixed(m, frame_of(m, d, kind, id).0) {
         return [0.0; 6];

@@ -16,8 +16,8 @@ use super::spatial::{
 use crate::model::{JointType, TransmissionType};
 use crate::{Data, Model, Revision};
 
-/// The moment arms of the actuators: each has a sparse row over the degrees of freedom that it
-/// moves.
+/// The moment arms of the actuators: each actuator has a sparse row over the degrees of freedom
+/// that the actuator moves.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Moments {
     pub(crate) rows: Vec<Range<usize>>,

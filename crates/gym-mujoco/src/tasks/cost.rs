@@ -7,7 +7,7 @@ use super::numpy;
 /// A weight times the sum of the squared actions, in the precision of the action.
 ///
 /// With numpy 2, the product of the weight and a single-precision sum has single precision. With
-/// numpy 1, with which versions 2 and 3 were recorded, it has double precision.
+/// numpy 1, with which versions 2 and 3 were recorded, the product has double precision.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct ControlCost {
     weight: f64,

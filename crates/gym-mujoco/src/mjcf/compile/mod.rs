@@ -94,7 +94,7 @@ fn scale_mass(m: &mut CompiledModel, total: Option<f64>) {
         .for_each(|moment| *moment *= scale);
 }
 
-/// Refuses bodies that can move and have no mass: their acceleration would be infinite.
+/// Refuses movable bodies without mass, whose acceleration would be infinite.
 fn check_mass(m: &CompiledModel, spec: &Spec) -> Result<()> {
     let mut heavy: Vec<bool> = (0..m.nbody())
         .map(|b| {

@@ -283,7 +283,8 @@ fn solve_island(
     iterations
 }
 
-/// Returns [`dense::dot`]. It is not inlined, so that all callers share one copy of the code.
+/// Returns [`dense::dot`]. The function is not inlined, so that all callers share one copy of the
+/// code.
 #[inline(never)]
 pub(super) fn dot(a: &[Lanes], b: &[Lanes], n: usize) -> f64 {
     dense::dot(a, b, n)

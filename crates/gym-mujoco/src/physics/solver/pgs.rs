@@ -266,9 +266,9 @@ impl Pcg32 {
     }
 }
 
-/// Returns the inertia that scales an island's improvement. Up to MuJoCo 3.16, it is the inertia of
-/// the model in the initial configuration; from 3.17 on, the inertia of the island in the current
-/// configuration.
+/// Returns the inertia that scales an island's improvement. Up to MuJoCo 3.16, this is the inertia
+/// of the model in the initial configuration; from 3.17 on, the inertia of the island in the
+/// current configuration.
 pub(super) fn inertia_of(m: &Model, d: &Data, trees: &[usize]) -> f64 {
     let plan = m.plan();
     match m.revision {

@@ -423,7 +423,7 @@ impl<D: Native> VectorEnv for NativeVectorEnv<D> {
         };
         self.left_out.clear();
         let (blocks, streams) = (&mut self.blocks, &mut self.streams);
-        // two functions: without optimisation, one function would need the stack of both
+        // two functions, because one function would, without optimisation, need the stack of both
         let result = if has_defaults {
             widest(
                 level,

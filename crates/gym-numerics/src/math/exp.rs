@@ -74,15 +74,16 @@ impl Parts {
     }
 }
 
-/// Returns `scale * (1 + fraction)` if it may overflow.
+/// Returns `scale * (1 + fraction)`, for results that may overflow.
 #[cold]
 pub(super) fn large<F: Fma>(scale: u64, fraction: f64) -> f64 {
     let scale = f64::from_bits(scale.wrapping_sub(1009 << 52));
     2f64.powi(1009) * F::fma(scale, fraction, scale)
 }
 
-/// Returns `scale * (1 + fraction)` if it may be subnormal; `scale` may be negative. The result is
-/// rounded once, to its final number of digits. (glibc's compiler does not use FMA here.)
+/// Returns `scale * (1 + fraction)`, for results that may be subnormal; `scale` may be negative.
+/// The result is rounded once, to its final number of digits. (glibc's compiler does not use FMA
+/// here.)
 #[cold]
 pub(super) fn small(scale: u64, fraction: f64) -> f64 {
     let scale = f64::from_bits(scale.wrapping_add(1022 << 52));

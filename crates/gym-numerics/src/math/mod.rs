@@ -156,9 +156,9 @@ functions! {
         (sin.value(), cos.value())
     };
 
-    /// The angle of the point from the positive x axis, in rad between -π and π. It is computed
-    /// with extra precision and rounded once; glibc's result is an adjacent number for 1 argument
-    /// in 1100.
+    /// The angle of the point from the positive x axis, in rad between -π and π. The result is
+    /// computed with extra precision and rounded once; glibc's result is an adjacent number for 1
+    /// argument in 1100.
     fn atan2(y: f64, x: f64) -> f64 = |F| arc::atan2::<F>(y, x);
 
     /// e^x.

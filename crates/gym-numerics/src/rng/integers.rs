@@ -207,8 +207,8 @@ impl Generator {
         items
     }
 
-    /// Draws uniformly from `[0, max]` by masked rejection; `max` must not be 0. This is numpy's C
-    /// function `random_interval`, which uses other words than [`integers`](Self::integers).
+    /// Draws uniformly from `[0, max]` by masked rejection; `max` must not be 0. numpy's C function
+    /// `random_interval`, which uses other words than [`integers`](Self::integers).
     fn interval(&mut self, max: usize) -> usize {
         let mask = usize::MAX >> max.leading_zeros();
         let half = u32::try_from(max).is_ok();

@@ -22,7 +22,8 @@ pub struct Seed {
     words: Vec<u32>,
 }
 
-/// The largest number of decimal digits, because the time to parse them is quadratic.
+/// The largest number of decimal digits. The limit exists because the time to parse digits is
+/// quadratic.
 const MAX_DIGITS: usize = 4300;
 
 /// An error of making a seed.

@@ -24,7 +24,7 @@ const FRAMES: usize = 4;
 /// Progress lines that a whole training prints.
 const LINES: u64 = 40;
 
-/// The spec of the vector. `RecordEpisodeStatistics` comes first, so it records the returns before
+/// The spec of the vector. `RecordEpisodeStatistics` comes first, to record the returns before
 /// other wrappers change rewards.
 fn spec(id: &str, settings: &Settings, task: Task) -> gym::Result<VectorSpec> {
     let mut env = builder(id);

@@ -171,7 +171,7 @@ impl Task for FrozenLakeDynamics {
             (None, Some(name)) => named_map(name)?,
             (None, None) => generate_random_map(8, 0.8, None)?,
         };
-        // a random map becomes part of the arguments, so that they describe this lake
+        // a random map becomes part of the arguments, so that the arguments describe this lake
         let config = Config {
             desc: config
                 .map_name

@@ -241,7 +241,7 @@ pub struct Event {
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ResetRequest {
-    /// The seed, of any size, or a list of them; its digits are kept as they are written.
+    /// The seed, of any size, or a list of seeds. The digits are kept as written.
     seed: Option<Box<RawValue>>,
     /// The options.
     #[serde(default, deserialize_with = "options")]

@@ -144,7 +144,7 @@ impl Grid {
         Ok(Discrete::new(n)?.into())
     }
 
-    /// The box that is cut.
+    /// The box that is divided into bins.
     pub(crate) fn inner(&self) -> &BoxSpace {
         &self.inner
     }

@@ -121,7 +121,7 @@ pairs! {
         }
     }
 
-    // the text names the object, not the state
+    // the text contains the number of the object, which is not part of the state
     "state-shown" "text" TellsItsNumber scaled_step {
         fn metadata(_: &Of<Self>) -> Metadata {
             Metadata {

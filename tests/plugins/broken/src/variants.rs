@@ -199,7 +199,7 @@ pairs! {
         }
     }
 
-    // fast steps by chance
+    // with `fast`, the reward has a random part from the operating system
     "same-seed-same-episode" "argument" FastByChance (Mode) {
         fn step(env: &mut Of<Self>, action: &Value, observation: &mut Value) -> Result<Outcome> {
             let chance = if BAD && env.arguments.fast { Generator::from_os()?.random() } else { 0.0 };

@@ -121,7 +121,7 @@ impl Boxes<'_> {
         Some(winner)
     }
 
-    /// The separation along the product of two edges; `None` if they are parallel.
+    /// The separation along the cross product of two edges; `None` if they are parallel.
     fn edge_separation(&self, i: usize, j: usize) -> Option<f64> {
         let (s1, s2, rot) = (self.a.size, self.b.size, &self.rot);
         let (i1, i2) = ((i + 1) % 3, (i + 2) % 3);
@@ -140,7 +140,7 @@ impl Boxes<'_> {
         Some((x * self.pos21[i1] + y * self.pos21[i2]).abs() - radius1 - radius2)
     }
 
-    /// The product of two edges in the first box's frame, at length 1.
+    /// The cross product of two edges in the first box's frame, scaled to length 1.
     fn edge_axis(&self, i: usize, j: usize) -> Vec3 {
         let (i1, i2) = ((i + 1) % 3, (i + 2) % 3);
         let mut axis = [0.0; 3];

@@ -26,8 +26,8 @@ impl Differing {
         below: Pixels::ALL,
     };
 
-    /// Marks `pixels` as changed from `x` on: those right of `x` on the current line, those left of
-    /// `x` on the next line.
+    /// Marks `pixels` as changed: the pixels from `x` on in the current line, the pixels left of
+    /// `x` in the next line.
     #[inline(always)]
     fn add(&mut self, pixels: Pixels, x: usize) {
         let Self { here, below } = self;

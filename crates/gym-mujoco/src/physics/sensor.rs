@@ -306,8 +306,8 @@ pub(super) fn fixed(m: &Model, body: usize) -> bool {
     m.plan().chain(body).is_empty()
 }
 
-/// The velocity of an object at its position, in the world's axes or its own: MuJoCo's
-/// `mj_objectVelocity`.
+/// The velocity of an object at the object's position, in the axes of the world or of the object:
+/// MuJoCo's `mj_objectVelocity`.
 pub(super) fn object_velocity(
     m: &Model,
     d: &Data,

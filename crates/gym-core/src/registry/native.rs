@@ -27,7 +27,7 @@ pub fn build<B: Build>(spec: &EnvSpec) -> Result<B::Env> {
 ///
 /// # Errors
 /// [`Error::InvalidArgument`](crate::Error) for arguments that the environment does not take, and
-/// as [`SyncVectorEnv::new`].
+/// as [`SyncVectorEnv::new`](crate::vector::SyncVectorEnv::new).
 pub(super) fn entry_point<E: Lockstep + Configure>(
     spec: &VectorSpec,
 ) -> Result<Box<dyn VectorEnv>> {

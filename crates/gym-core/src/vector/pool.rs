@@ -50,7 +50,7 @@ pub struct AsyncVectorEnv<E: Env = BoxEnv> {
     /// has lent no sub-environment since.
     all_go_on: bool,
     /// Steps the sub-environments of a group together; `None` if the environments do not implement
-    /// [`Lockstep`](super::Lockstep).
+    /// [`Lockstep`](super::lockstep::Lockstep).
     lockstep: Option<Box<dyn SlotGroup<E>>>,
     pool: Pool<E>,
     spaces: Arc<Spaces>,

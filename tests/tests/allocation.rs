@@ -233,7 +233,7 @@ fn a_vector_holds_its_environments_and_two_observations_of_each() {
     let vector = allocation_counter::measure(|| {
         held.1 = Some(make_vec("CarRacing-v3", N, VectorKind::Sync).unwrap());
     });
-    // plus the space of one observation: two bounds, and a boundedness flag for each number
+    // in addition, the space of one observation: two bounds, and a boundedness flag for each number
     let most = alone.bytes_current + (N * (2 * PICTURE + 4096) + 4 * PICTURE) as i64;
     assert!(
         vector.bytes_current < most,

@@ -248,7 +248,7 @@ fn an_id_without_its_namespace_is_suggested_with_it() {
     }
 }
 
-/// Only similar names are suggested: they share at least 60 % of their letters.
+/// Only similar names are suggested: names that share at least 60 % of their letters.
 #[test]
 fn only_what_is_alike_is_suggested() {
     for (asked, is_alike) in [

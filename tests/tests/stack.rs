@@ -26,7 +26,7 @@ fn use_all(id: &str) -> Result<()> {
     gym::make(id)?.reset(Reset::default()).map(drop)
 }
 
-/// A stack overflow aborts the process, so the next test runs this one in a process of its own.
+/// A stack overflow aborts the process, so the next test runs this test in a separate process.
 #[test]
 #[ignore = "run by every_environment_fits_a_small_stack"]
 fn in_a_small_stack() {

@@ -98,8 +98,8 @@ fn start(build: &Build, arguments: &[OsString]) -> Result<ExitCode, String> {
         .map_or(ExitCode::FAILURE, ExitCode::from))
 }
 
-/// Prints a line. Unlike `println!`, it does not panic if the output cannot be written, and it
-/// ignores a closed pipe.
+/// Prints a line. Unlike `println!`, the function does not panic if the output cannot be written,
+/// and ignores a closed pipe.
 fn say(line: std::fmt::Arguments<'_>) -> Result<(), String> {
     match writeln!(std::io::stdout(), "{line}") {
         Err(error) if error.kind() == ErrorKind::BrokenPipe => Ok(()),

@@ -21,9 +21,9 @@ const POWER_ON_TIMER: &[u8; 6000] = include_bytes!("power_on/timer.bin");
 const IDLE_FRAMES: u8 = 60;
 /// Frames that run when the ROM is loaded, before the first power-on.
 const LOADING_FRAMES: u8 = 60;
-/// Frames that run when the ROM of a PAL game is loaded: 30 of their longer frames are enough. The
-/// number matters only for programs that do not clear their RAM, such as Space War, whose first
-/// frame is shorter.
+/// The frames that run when the ROM of a PAL game is loaded. PAL frames are longer than NTSC
+/// frames, so 31 are enough. The number matters only for programs that do not clear RAM, such as
+/// Space War, whose first frame is shorter.
 const PAL_LOADING_FRAMES: u8 = 31;
 /// Frames for which RESET is pressed after a mode was selected.
 const RESET_FRAMES: u8 = 4;
@@ -233,7 +233,7 @@ impl Ale {
         self.observe();
     }
 
-    /// Presses RESET. The next frame cannot repeat an action from before.
+    /// Presses RESET. The next frame cannot repeat an earlier action.
     fn press_reset(&mut self) {
         self.hold(switch::IDLE & !switch::RESET, RESET_FRAMES);
         self.progress.previous = Action::Noop.into();
@@ -326,7 +326,7 @@ impl Ale {
     }
 
     /// Returns the command to execute: the previous command with the sticky probability, otherwise
-    /// `command`, without its action if that is not legal.
+    /// `command`, without its action if the action is not legal.
     pub(crate) fn stick(&mut self, command: Command) -> Command {
         if self.progress.generator.random() < self.settings.repeat_action_probability {
             self.progress.previous
@@ -340,7 +340,7 @@ impl Ale {
         }
     }
 
-    /// Plays a frame with `command`, which does not stick. If `seen` is false, the frame is not
+    /// Plays a frame with `command`, without sticky actions. If `seen` is false, the frame is not
     /// drawn.
     pub(crate) fn play(&mut self, command: Command, seen: bool) -> i32 {
         self.progress.previous = command;
@@ -358,8 +358,8 @@ impl Ale {
         self.progress.reward
     }
 
-    /// Plays `frames` frames with `command` and returns the sum of their rewards. Draws only the
-    /// last two.
+    /// Plays `frames` frames with `command`, draws only the last two, and returns the sum of the
+    /// rewards.
     ///
     /// The console draws two pictures in turn, and a frame that ends early keeps the older rest of
     /// its picture. To leave both pictures as if every frame had been drawn, the function replays
@@ -514,7 +514,7 @@ impl Ale {
         self.progress.over
     }
 
-    /// Whether no frame can follow: the game is over, or the episode is truncated.
+    /// Whether the game is over, or the episode is truncated.
     fn has_ended(&self) -> bool {
         self.progress.over || self.is_truncated()
     }

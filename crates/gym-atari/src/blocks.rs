@@ -24,7 +24,7 @@ use crate::wires::{Chips, Wires, case};
 /// then each uses a stack frame.
 const LONGEST: usize = 32;
 
-/// The state passed from one instruction to the next.
+/// The state that each instruction passes to the next.
 pub(crate) struct Thread {
     cpu: Cpu,
     /// The number of instructions that may be executed after the block.
@@ -103,7 +103,7 @@ pub(crate) struct Blocks {
     scheme: Scheme,
     rom: Arc<[u8; ROM]>,
     /// The block that starts at each byte: see [`Kind::entry`]. A block is decoded when it is first
-    /// executed. It depends only on the ROM.
+    /// executed. Its content depends only on the ROM.
     entries: Box<[OnceLock<Box<[Op]>>]>,
 }
 
@@ -193,8 +193,8 @@ fn run_blocks<K: Kind>(
             block.get_or_init(|| decode::<K>(cartridge, pc))
         });
         match block {
-            // the interpreter executes the very last instruction, because it leaves the byte on the
-            // bus correctly
+            // the interpreter executes the last instruction, because only the interpreter updates
+            // the byte on the bus
             [first, ..] if block.len() < thread.left as usize => {
                 thread.left -= block.len() as u32;
                 (first.run)(&mut thread, chips, cartridge, block);
@@ -232,7 +232,7 @@ fn decode<K: Kind>(cartridge: &Cartridge, start: u16) -> Box<[Op]> {
             break;
         }
         let (low, high) = (byte(1), if length == 3 { byte(2) } else { 0 });
-        // `LDA INTIM` followed by `BNE` back to it
+        // a loop that waits for the timer: `LDA INTIM` and a `BNE` back to `LDA`
         let waits = low == 0xfb && matches!(byte(length.wrapping_sub(5)), 0x2c | 0xac..=0xae);
         let case = case_of::<K>(instruction, low12 + length, low, high, waits);
         let Some(run) = function::<K>(opcode, case) else {
@@ -336,8 +336,9 @@ const fn may_switch(opcode: u8, case: u8) -> bool {
     named && case == case::ANY
 }
 
-/// Executes the first instruction of `ops`, then the others. The function is compiled for a `CASE`;
-/// if the case does not cover the instruction, it executes the instruction with the case `AGAIN`.
+/// Executes the first instruction of `ops`, then the others. The function is compiled for a `CASE`.
+/// If the case does not cover the instruction, the function executes the instruction with the case
+/// `AGAIN`.
 ///
 /// Rare work is done in the function for `AGAIN`, which is called last: any earlier call would make
 /// each instruction save registers.

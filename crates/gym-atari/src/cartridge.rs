@@ -214,8 +214,8 @@ impl Cartridge {
         self.banks.scheme
     }
 
-    /// Returns the four ROM bytes from `address` on, if reading them has no side effect: addresses
-    /// within one window.
+    /// Returns the four ROM bytes from `address` on; `None` if the four addresses are not within
+    /// one window, where reads have no side effects.
     pub(crate) fn four_bytes(&self, address: u16) -> Option<[u8; 4]> {
         let low = address & 0x0fff;
         let first = match self.banks.scheme {
@@ -249,10 +249,10 @@ impl Cartridge {
 
 /// A kind of cartridge. The processor's code is compiled for each kind.
 pub(crate) trait Kind: 'static {
-    /// The number of addresses, from the first on, that only read: no access to them has a side
-    /// effect.
+    /// The number of addresses, from the first on, for which no access has a side effect.
     const PLAIN: u16;
-    /// The size of a window in bytes: the unit that is switched, a bank or a part of it.
+    /// The size in bytes of a window: the address range that a bank switch replaces, a bank or a
+    /// part of a bank.
     const WINDOW: u16;
 
     /// Reads a byte; `bus` is the last byte on the bus.
@@ -264,8 +264,8 @@ pub(crate) trait Kind: 'static {
     /// Returns the ROM's byte at an address whose reads have no side effect.
     fn peek(cartridge: &Cartridge, address: u16) -> u8;
 
-    /// Returns the index of a block: it identifies the ROM's byte at `address` and the window that
-    /// shows it.
+    /// Returns the index of the block that starts at `address`. The index identifies the byte of
+    /// the ROM and the window through which the processor reads the byte.
     fn entry(cartridge: &Cartridge, address: u16) -> usize;
 }
 

@@ -137,8 +137,8 @@ impl Run {
         self.add(0);
     }
 
-    /// Plays frames, holding each action for at most 16 of them. One frame after the end of a game,
-    /// starts again.
+    /// Plays frames, holding each action for at most 16 of them. Starts a new game one frame after
+    /// the end of a game.
     fn play(&mut self, frames: u32, actions: &[Action]) {
         let (mut action, mut held) = (Action::Noop, 0);
         for _ in 0..frames {
@@ -173,7 +173,7 @@ mod tests {
     use super::*;
     use crate::games;
 
-    /// A program of our own: it counts frames, and the frames in which the button is pressed.
+    /// A test program that counts frames, and frames in which the button is pressed.
     const PROGRAM: &[u8] = &[
         0xa9, 0x02, 0x85, 0x00, 0x85, 0x02, 0x85, 0x02, 0x85, 0x02, 0xa9, 0x00, 0x85, 0x00, 0xe6,
         0x90, 0xa5, 0x0c, 0x30, 0x02, 0xe6, 0x91, 0xa2, 0xe0, 0x86, 0x09, 0x85, 0x02, 0xca, 0xd0,

@@ -27,7 +27,7 @@ struct Fetcher {
     /// An 11-bit counter that counts down.
     counter: u16,
     within: bool,
-    /// Whether a clock drives the counter instead of reads. There is no sound here, so the clock
+    /// Whether a clock advances the counter, and not reads. The emulator has no sound, so the clock
     /// does not run.
     music: bool,
 }

@@ -1,8 +1,8 @@
 //! A paddle: a variable resistor that charges a capacitor. Programs measure the time.
 //!
-//! The law is that of a resistor and a capacitor. Its constants were fitted to recordings of
-//! Breakout and Pong, which are reproduced exactly. The left ends of other games were measured by
-//! turning a paddle through its whole range in small steps.
+//! The time follows the formula of a resistor and a capacitor. The constants were fitted to
+//! recordings of Breakout and Pong, which the emulator reproduces exactly. The left ends of other
+//! games were measured by turning a paddle through its whole range in small steps.
 
 use serde::{Deserialize, Serialize};
 

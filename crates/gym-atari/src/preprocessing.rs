@@ -55,13 +55,13 @@ pub struct AtariPreprocessing<E: Env = AtariEnv> {
     unused: E::Observation,
     settings: Preprocessing,
     shrink: Shrink,
-    /// Colour indices of the last frame (or, after the maximum, of the brighter of two) and of the
-    /// frame before it.
+    /// The colour indices of the last frame, and of the frame before. After the maximum over both
+    /// frames, the first has the result.
     frames: [Vec<u8>; 2],
     lives: i32,
 }
 
-/// The state, apart from the environment's.
+/// The snapshot of the environment, and the state of the wrapper.
 #[derive(Serialize, Deserialize)]
 struct Stored {
     env: Snapshot,
@@ -70,7 +70,7 @@ struct Stored {
     lives: i32,
 }
 
-/// The wrappers of `make` that change nothing: they only check.
+/// The wrappers of `make` that only check calls.
 const OF_MAKE: [&str; 2] = ["OrderEnforcing", "PassiveEnvChecker"];
 
 gym_core::register_wrapper!(
@@ -150,9 +150,9 @@ impl<E: Env> AtariPreprocessing<E> {
         self.env
     }
 
-    /// Plays a step's frames, of which it draws those from number `first_seen` on, and copies the
-    /// last two. Returns the sum of rewards with the end, and whether an undrawn frame may have
-    /// left an incomplete picture.
+    /// Plays the frames of a step, draws the frames from number `first_seen` on, and copies the
+    /// last two. Returns the sum of the rewards with the flags of the end, and whether an undrawn
+    /// frame may have left an incomplete picture.
     fn play(&mut self, command: Command, first_seen: u32) -> (Outcome, bool) {
         let Self {
             env,
@@ -201,8 +201,8 @@ fn look(env: &AtariEnv, out: &mut [u8]) {
     out.copy_from_slice(env.ale().picture().as_flattened());
 }
 
-/// Computes the maximum of two pictures: replaces each index of `picture` by that of `other` if it
-/// is brighter.
+/// Computes the maximum of two pictures: replaces each index of `picture` by the index of `other`
+/// if the colour of `other` is brighter.
 fn brighter(picture: &mut [u8], other: &[u8], grays: &[u8; 256]) {
     let cells = picture
         .as_chunks_mut::<32>()

@@ -151,7 +151,7 @@ impl Recording {
             self.over.len(),
             self.frame.len(),
         ];
-        // an answer to no operation differs from nothing
+        // a result without an operation differs from no result
         let longest = lists.into_iter().fold(self.ops.len(), usize::max);
         (0..longest).find_map(|i| {
             let parts = [

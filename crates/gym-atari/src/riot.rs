@@ -67,8 +67,8 @@ impl Riot {
         }
     }
 
-    /// Returns the value of `INTIM` at `cycle`, and the cycle up to which it stays the same without
-    /// other accesses; `None` for other registers.
+    /// Returns the value of `INTIM` at `cycle`, and the cycle up to which the value stays the same
+    /// without other accesses; `None` for other registers.
     pub(crate) fn steady(&self, address: u16, cycle: u64) -> Option<(u8, u64)> {
         match address & 0x07 {
             4 | 6 => self.timer.steady(cycle), // INTIM
@@ -76,8 +76,8 @@ impl Riot {
         }
     }
 
-    /// Returns the first cycle at which `INTIM` reads as 0, if `address` is `INTIM` and it has not
-    /// yet counted down.
+    /// Returns the first cycle at which `INTIM` reads as 0, if `address` is `INTIM` and the timer
+    /// has not yet counted down.
     pub(crate) fn zero_from(&self, address: u16) -> Option<u64> {
         let Timer {
             value,
@@ -117,14 +117,15 @@ impl Riot {
     }
 }
 
-/// The interval timer counts down once per interval, and below zero once per cycle.
+/// The interval timer: counts down once per interval, and once per cycle after 0.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 struct Timer {
     value: u8,
     /// The interval is `1 << shift` cycles.
     shift: u8,
     written: u64,
-    /// The value of the first read after the end, which switches back to counting intervals.
+    /// The value of the first read after the end of the interval. This read switches the timer back
+    /// to counting intervals.
     read_after_end: Option<i64>,
 }
 
@@ -150,8 +151,8 @@ impl Timer {
         }
     }
 
-    /// Returns the value of `INTIM` at `cycle`, and the cycle up to which it stays the same; `None`
-    /// after the end, when a read changes the timer.
+    /// Returns the value of `INTIM` at `cycle`, and the cycle up to which the value stays the same;
+    /// `None` after the end of the interval, when a read changes the timer.
     fn steady(&self, cycle: u64) -> Option<(u8, u64)> {
         let (elapsed, count) = self.count(cycle);
         if count < 0 || elapsed < 0 {

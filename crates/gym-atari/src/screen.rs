@@ -13,8 +13,8 @@ pub(crate) const HEIGHT: usize = 250;
 /// A row of a picture: an even colour index for each pixel.
 pub(crate) type Row = [u8; WIDTH];
 
-/// Two pictures, drawn in turn. A frame that ends early leaves the rest of its picture as it was
-/// two frames ago.
+/// Two pictures, drawn in turn. A frame that ends early does not overwrite the rest of its picture,
+/// which keeps the content of two frames before.
 #[derive(Clone, Debug)]
 pub(crate) struct Screen {
     /// The rows of the first picture, then of the second.

@@ -13,8 +13,8 @@ use crate::screen::{Row, WIDTH};
 
 /// The most source columns, or rows, that an output pixel can cover.
 const TAPS: usize = 16;
-/// If no output pixel covers more columns than this, sums have this fixed length; the weights
-/// beyond are 0.
+/// If no output pixel covers more columns than this, all sums have this length; the weights of
+/// columns that are not covered are 0.
 const FEW: usize = 4;
 /// The number of source columns that are compared at a time.
 const CELL: usize = 8;
@@ -41,9 +41,9 @@ pub(crate) struct Shrink {
     few_columns: bool,
     /// The shade of each byte of a picture.
     pub(crate) shades: &'static [u8; 256],
-    /// The previous picture; at first a black one.
+    /// The previous picture; at first black.
     picture: Vec<Row>,
-    /// Its sums along columns, row by row.
+    /// The weighted sums along the columns of `picture`, row by row.
     across: Vec<f32>,
     /// The output.
     small: Vec<u8>,
@@ -53,8 +53,8 @@ pub(crate) struct Shrink {
     row: [f32; WIDTH + TAPS],
     /// The sums along rows, for one output row.
     down: Vec<f32>,
-    /// If both sizes shrink by whole factors, of which OpenCV takes means in another order: the
-    /// resizer, and the shades of a picture.
+    /// If both sizes shrink by integer factors: the resizer, and the shades of a picture. For these
+    /// factors, OpenCV adds in another order.
     whole: Option<(AreaResize, Vec<u8>)>,
 }
 
@@ -279,7 +279,7 @@ mod tests {
         }
     }
 
-    /// Sums kept from earlier pictures do not change the result.
+    /// The sums stored for earlier pictures do not change the result.
     #[test]
     fn changes_come_out_as_new_pictures_do() {
         for target in [(84, 84), (64, 80), (100, 33), (15, 12), (210, 160)] {

@@ -13,12 +13,13 @@ use crate::tia::Tia;
 pub(crate) struct Wires<'a, K, const CASE: u8> {
     chips: &'a mut Chips,
     cartridge: &'a mut Cartridge,
-    /// Whether the instruction is not covered by `CASE`; it then has no effect.
+    /// Whether `CASE` does not cover the instruction. The instruction then has no effect.
     pub(crate) missed: bool,
     kind: PhantomData<K>,
 }
 
-/// The known part of an instruction's address, and of the addresses that it reads before.
+/// What the decoder knows of an instruction's address, and of the pointer that the instruction
+/// reads.
 pub(crate) mod case {
     /// Nothing is known.
     pub(crate) const ANY: u8 = 0;
@@ -155,7 +156,8 @@ impl<K: Kind, const CASE: u8> Bus for Wires<'_, K, CASE> {
         Ready::Now
     }
 
-    /// Returns `None` for `case::ROM`: that branch cannot end a waiting loop.
+    /// Returns the four bytes from `address` on; `None` for `case::ROM`, which marks a branch that
+    /// cannot end a waiting loop.
     #[inline(always)]
     fn program(&self, address: u16) -> Option<[u8; 4]> {
         if CASE == case::ROM {

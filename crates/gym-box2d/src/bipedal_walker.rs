@@ -351,7 +351,7 @@ impl Episode {
         )
     }
 
-    /// Returns the end of lidar ray `i` when it hits nothing.
+    /// Returns the end of lidar ray `i` for a ray that hits nothing.
     fn ray_end(&self, i: usize) -> Point {
         let pos = self.world.position(self.hull);
         let [right, down] = BEAMS[i];
@@ -535,7 +535,7 @@ impl Env for BipedalWalker {
     type Action = Continuous<4>;
 
     fn observation_space(&self) -> Space {
-        // five times the rated speeds, because impacts exceed them
+        // five times the rated speeds, because impacts exceed the rated speeds
         let mut high = [1.0; 24];
         high[..14].copy_from_slice(&[
             PI, 5.0, 5.0, 5.0, PI, 5.0, PI, 5.0, 5.0, PI, 5.0, PI, 5.0, 5.0,
@@ -608,8 +608,8 @@ impl Env for BipedalWalker {
         let Some(episode) = &self.episode else { return };
         let scroll = episode.scroll();
         canvas.clear(Color::BLACK);
-        // Gymnasium draws a wider image, from the start of the ground, and crops it to its right
-        // end
+        // Gymnasium draws a wider image, from the start of the ground, and crops the image to its
+        // right end
         let left = (VIEWPORT_W + scroll.max(0.0) * SCALE).trunc() - VIEWPORT_W;
         canvas.push(Transform::translate(-left, 0.0));
         canvas.push(pygame::flipped(VIEWPORT_H));

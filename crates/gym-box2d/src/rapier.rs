@@ -2,8 +2,8 @@
 
 use gym_core::Registration;
 
-/// Adapts the registration of an id `rapier/...`: without the feature `rapier` the id stays
-/// registered, and says what it needs.
+/// Adapts the registration of an id `rapier/...`: without the feature `rapier`, the id is still
+/// registered, with the missing feature as a requirement.
 pub(crate) const fn on_rapier(registration: Registration) -> Registration {
     if cfg!(feature = "rapier") {
         registration

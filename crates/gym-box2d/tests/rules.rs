@@ -65,7 +65,7 @@ fn a_lander_may_leave_on_neither_side() {
             .unwrap();
         let last = loop {
             assert!(seen[0].abs() < 1.0, "it goes on at {}", seen[0]);
-            // leans to its side and keeps its height
+            // leans to the side `side`, and keeps the height
             let turn = (-0.3 * side - seen[4]) * 0.5 - seen[5];
             let engine = match () {
                 () if seen[3] < 0.0 => 2,
@@ -225,7 +225,7 @@ fn a_car_may_leave_the_field_on_no_side() {
             let [x, y, ..] = car.state().unwrap().hull;
             inside &= x.abs() <= FIELD && y.abs() <= FIELD;
             assert!(inside, "turn {turn}: it goes on at {x}, {y}");
-            // a slow turn that depends on the run, then straight on
+            // a slow turn whose duration depends on the run, then straight on
             if step < 25 * turn {
                 [0.6, 0.05, 0.0]
             } else {

@@ -28,7 +28,8 @@ pub struct PythonEnv {
 /// Whether the environment has a worker.
 #[derive(Debug)]
 enum State {
-    /// Clones and snapshots, which only borrow the environment, send requests too.
+    /// A mutex, because clones and snapshots borrow the environment immutably and also send
+    /// requests.
     Alive(Mutex<Worker>),
     /// The clone could not be made, for this reason.
     Broken(String),
@@ -141,8 +142,8 @@ impl PythonEnv {
         Self::described(config, render_mode, worker, &about)
     }
 
-    /// Refuses an action that Python cannot receive: one of another form than the space's, or not
-    /// finite.
+    /// Refuses an action that Python cannot receive: an action whose form differs from the action
+    /// space's, or with numbers that are not finite.
     fn check_action(&self, action: &Value) -> Result<()> {
         let space = &self.spaces.1;
         let fits = match (space, action) {
@@ -202,8 +203,8 @@ impl Configure for PythonEnv {
     }
 }
 
-/// Starts another worker that loads the environment; if that fails, the clone's calls return the
-/// error.
+/// Starts another worker that loads the environment; if the worker fails, the clone's calls return
+/// the error.
 impl Clone for PythonEnv {
     fn clone(&self) -> Self {
         let (config, mode) = (self.config.clone(), self.render_mode);
@@ -394,7 +395,7 @@ impl Env for PythonEnv {
                     "a frame is uint8 of shape (height, width, 3), both at least 1",
                 )
             })?),
-            // Python has shown it in a window
+            // Python has shown the frame in a window
             (_, RenderMode::Human) => Rendered::Shown,
             (other, _) => {
                 let what = if other == Value::Null {

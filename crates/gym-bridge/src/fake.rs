@@ -51,7 +51,7 @@ fn number(n: i64, start: i64) -> Value {
     dict([("kind", text("Discrete")), ("n", n), ("start", start)])
 }
 
-/// An environment that observes the number of its steps, and tells the last action.
+/// An environment that observes the number of its steps, and whose info has the last action.
 #[derive(Default)]
 struct Served {
     steps: i64,

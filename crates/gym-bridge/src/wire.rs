@@ -133,13 +133,13 @@ impl<'a, R: BufRead> Reader<'a, R> {
         self.left == 0
     }
 
-    /// Takes `count` bytes from the rest of the frame; `None` if it has fewer.
+    /// Subtracts `count` from the number of unread bytes of the frame; `None` if fewer are left.
     fn reserve(&mut self, count: usize) -> Option<()> {
         self.left = self.left.checked_sub(count.try_into().ok()?)?;
         Some(())
     }
 
-    fn told<T>(&mut self, read: io::Result<T>) -> Option<T> {
+    fn or_failure<T>(&mut self, read: io::Result<T>) -> Option<T> {
         read.map_err(|error| self.failure = Some(error)).ok()
     }
 
@@ -147,7 +147,7 @@ impl<'a, R: BufRead> Reader<'a, R> {
         self.reserve(N)?;
         let mut bytes = [0; N];
         let read = self.stream.read_exact(&mut bytes);
-        self.told(read).map(|()| bytes)
+        self.or_failure(read).map(|()| bytes)
     }
 
     pub(crate) fn byte(&mut self) -> Option<u8> {
@@ -165,11 +165,12 @@ impl<'a, R: BufRead> Reader<'a, R> {
 
     fn text(&mut self) -> Option<String> {
         let length = self.length()?;
-        // allocate no more memory than there are bytes
+        // checked before the allocation, so that a wrong length allocates no more memory than the
+        // frame has bytes
         self.reserve(length)?;
         let mut text = vec![0; length];
         let read = self.stream.read_exact(&mut text);
-        self.told(read)?;
+        self.or_failure(read)?;
         String::from_utf8(text).ok()
     }
 
@@ -276,7 +277,7 @@ impl<'a, R: BufRead> Reader<'a, R> {
             *array = Array::zeros(dtype, shape).ok()?;
         }
         let read = array.read_from(self.stream);
-        self.told(read)
+        self.or_failure(read)
     }
 }
 

@@ -54,8 +54,8 @@ pub(crate) fn value(reply: &mut Reply<'_>) -> Option<Value> {
     reply.value()
 }
 
-/// A Python process that serves one environment. It ends when the `Worker` is dropped, or when this
-/// process ends.
+/// A Python process that serves one environment. The Python process ends when the `Worker` is
+/// dropped, or when this process ends.
 #[derive(Debug)]
 pub(crate) struct Worker {
     child: Child,
@@ -240,7 +240,7 @@ impl Drop for Worker {
         if self.ended.is_some() {
             return;
         }
-        // give the worker time to finish videos, but do not wait for a hanging one
+        // give the worker time to finish videos, but do not wait for a worker that hangs
         let goodbye = Duration::from_secs(2);
         self.timeout = goodbye.min(self.timeout);
         let asked = match self.pipe.get_ref().set_read_timeout(Some(self.timeout)) {

@@ -423,7 +423,7 @@ fn spaces_that_cannot_be_read_are_named() {
     lies("metadata").build().unwrap().reset(0).unwrap();
 }
 
-/// A space that a step changes in place is an error, although it is the same Python object.
+/// A space that a step changes in place is an error, although the Python object is the same.
 #[test]
 fn a_space_that_a_step_changes_in_its_place_is_an_error() {
     if !has(&["gymnasium"]) {

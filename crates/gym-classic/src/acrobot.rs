@@ -282,7 +282,8 @@ impl Task for AcrobotDynamics {
             },
             Color::BLACK,
         );
-        // the first state is `float32`, and so are numpy's results computed from it
+        // the first state is `float32`, and numpy's results computed from this state are `float32`
+        // too
         let number = |x: f64| if state.fresh { f64::from(x as f32) } else { x };
         let (sin, cos) = if state.fresh {
             let (sin, cos) = numpy_sin_cos_f32(state.theta1 as f32);
@@ -384,7 +385,7 @@ impl Equations for AcrobotDynamics {
     type Input = [f64; 1];
     type Constants = Constants<f64>;
 
-    // these squares are exact
+    // the squares 1.0 and 0.25 are exact
     const DEFAULTS: Option<Constants<f64>> =
         Some(Constants::of(&Config::DEFAULT, [1.0, 0.25, 0.25]));
 
@@ -456,7 +457,8 @@ impl Equations for AcrobotDynamics {
         }
     }
 
-    /// The first state of an episode is `float32`, and so are numpy's sines and cosines of it.
+    /// Computes the observation. The first state of an episode is `float32`, and numpy computes its
+    /// sines and cosines in `float32`.
     fn observe(&self, state: &State) -> [f32; 6] {
         let State {
             theta1,

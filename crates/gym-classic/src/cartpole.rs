@@ -201,8 +201,8 @@ impl Equations for CartPoleDynamics {
         [state.x, state.x_dot, state.theta, state.theta_dot]
     }
 
-    /// Restores a state. A state beyond the thresholds has ended its episode; a vector does not
-    /// step it again.
+    /// Restores a state. A state beyond the thresholds is terminal; a vector does not step a
+    /// terminal state.
     #[inline(always)]
     fn unpack(&self, [x, x_dot, theta, theta_dot]: [f64; 4], fresh: bool) -> State {
         State {
@@ -276,7 +276,7 @@ impl Equations for CartPoleDynamics {
         self.pack(state).map(|x| x as f32)
     }
 
-    /// Once the pole has fallen, the reward is 0.
+    /// Sets the reward to 0 once the pole has fallen.
     #[inline(always)]
     fn finish(&self, before: &State, _action: Action, transition: &mut Transition<State>) {
         let is_beyond = before.fallen && transition.terminated;

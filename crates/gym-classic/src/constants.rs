@@ -11,8 +11,8 @@ pub(crate) fn finite<const N: usize>(env: &str, constants: [(&str, f64); N]) -> 
     within(env, constants, -LIMIT)
 }
 
-/// Refuses lengths and masses by which the equations divide, if they are 0 or nearly so: the results
-/// would not be finite.
+/// Refuses lengths and masses by which the equations divide, if a value is 0 or nearly 0, because
+/// the results would not be finite.
 pub(crate) fn divisors<const N: usize>(env: &str, constants: [(&str, f64); N]) -> Result<()> {
     finite(env, constants)?;
     for (name, value) in constants {

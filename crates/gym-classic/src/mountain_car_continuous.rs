@@ -135,7 +135,7 @@ fn advance<R: Real, const SINGLE: bool>(
             R::select(wide, x, x.single())
         }
     };
-    // for numbers that are rounded already with `SINGLE`
+    // rounds numbers that, with `SINGLE`, are already rounded
     let narrowed = |wide: R::Mask, x: R| if SINGLE { x } else { rounded(wide, x) };
 
     let pull = rounded(fresh, position * 3.0).cos() * 0.0025;
@@ -151,7 +151,8 @@ fn advance<R: Real, const SINGLE: bool>(
         R::select(R::but_not(single, clipped), within, force * power - pull)
     };
 
-    // Python floats take the precision of the state; `float64` numbers widen what they are added to
+    // a sum with a Python float has the precision of the state; a sum with a `float64` number has
+    // double precision
     let wide = fresh | R::but_not(double, clipped);
     let most = rounded(wide, max_speed);
     let moved = rounded(wide, velocity + narrowed(wide, change));

@@ -114,7 +114,7 @@ impl Constants<f64> {
     }
 }
 
-/// Returns the cost of a torque, and its angular acceleration. If `SINGLE`, numpy computes them in
+/// Returns the cost of a torque, and its angular acceleration. If `SINGLE`, numpy computes both in
 /// `float32`.
 #[inline(always)]
 fn effects<R: Real, const SINGLE: bool>(torque: R, per_torque: R, max_torque: R) -> [R; 2] {
@@ -141,8 +141,7 @@ impl Equations for PendulumDynamics {
         self.constants
     }
 
-    /// The third number is the sine of the angle: the observation computes it, and the next step
-    /// uses it.
+    /// The third number is the sine of the angle, which the observation and the next step share.
     #[inline(always)]
     fn pack(&self, state: &State) -> [f64; 3] {
         [state.theta, state.theta_dot, sin(state.theta)]
@@ -157,8 +156,8 @@ impl Equations for PendulumDynamics {
         }
     }
 
-    /// Returns the torque, and 1 if its products are `float64`: those of numpy's `float32` arrays
-    /// are not.
+    /// Returns the torque, and 1 if numpy computes products with the torque in `float64`, which
+    /// numpy does not for `float32` arrays.
     #[inline(always)]
     fn encode(
         &self,
@@ -343,8 +342,8 @@ const MIDDLE: f64 = 250.0;
 /// Draws an arrow around the axle with the torque's magnitude and direction. Gymnasium loads an
 /// image; this arrow has the image's size and place.
 fn draw_torque(torque: f64, scale: f64, canvas: &mut dyn Canvas) {
-    // for a radius of 1. Gymnasium's arrow is not quite circular and not centred on the axle, so
-    // neither is this one.
+    // the sizes are for a radius of 1. As in Gymnasium, the arrow is not quite circular and not
+    // centred on the axle.
     const WIDTH: f64 = 0.065; // of the line
     const WIDE: f64 = 0.973;
     const HIGH: f64 = 1.034;
@@ -355,7 +354,7 @@ fn draw_torque(torque: f64, scale: f64, canvas: &mut dyn Canvas) {
     if size < 1.0 {
         return;
     }
-    // drawn counterclockwise; a negative torque mirrors it
+    // the points are of a counterclockwise arrow; a negative torque mirrors the arrow
     let place = |[x, y]: Point| [x * size * torque.signum() + MIDDLE, y * size + MIDDLE];
     let edge =
         |radius| arc([0.0; 2], radius, -1.5 * PI, 0.0).map(|[x, y]| [WIDE * x - SHIFT, HIGH * y]);

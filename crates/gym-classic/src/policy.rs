@@ -26,7 +26,7 @@ pub(crate) fn mountain_car_continuous([_, velocity]: &[f32; 2]) -> [f32; 1] {
     [if *velocity < 0.0 { -0.4 } else { 0.4 }]
 }
 
-/// Adds energy until the pole is near the top, then holds it there.
+/// Adds energy until the pole is near the top, then balances the pole.
 pub(crate) fn pendulum([cos, sin, theta_dot]: &[f32; 3]) -> [f32; 1] {
     let theta = atan2(f64::from(*sin), f64::from(*cos)) as f32;
     // per moment of inertia; the energy at the top is 15

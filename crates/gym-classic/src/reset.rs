@@ -7,8 +7,8 @@ use serde::{Deserialize, Deserializer};
 /// equation overflows in one step.
 const LIMIT: f64 = 1e6;
 
-/// Whether a deserialized state is possible in a task with the default constants. With others, such
-/// as no mass, a state may be infinite or NaN.
+/// Whether a deserialized state is possible in a task with the default constants. With other
+/// constants, such as a mass of 0, a state may be infinite or NaN.
 pub(crate) fn plausible(state: &[f64]) -> bool {
     state.iter().all(|x| x.abs() <= LIMIT)
 }

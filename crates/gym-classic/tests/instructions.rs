@@ -30,7 +30,7 @@ struct Function {
     platform: Option<&'static str>,
 }
 
-/// Mathematical functions of the platform. Results must not depend on them.
+/// Mathematical functions of the platform. Results must not depend on these functions.
 const PLATFORM: [&str; 20] = [
     "atan2", "cos", "cosf", "exp", "exp2", "expm1", "fma", "fmaf", "log", "log10", "log1p",
     "log1pf", "log2", "pow", "powf", "sin", "sincos", "sinf", "tan", "tanh",

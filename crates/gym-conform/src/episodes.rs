@@ -166,7 +166,7 @@ impl Limited {
     }
 }
 
-/// Returns the count of the `TimeLimit` that is reached first.
+/// Returns the step count of the `TimeLimit` that is reached first.
 fn count(env: &BoxEnv) -> Option<StepCount> {
     env.layer::<StepCount>().copied()
 }

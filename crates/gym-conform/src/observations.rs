@@ -30,7 +30,7 @@ pub(crate) fn dtype(subject: &Subject<'_>) -> Verdict {
         .try_for_each(|(i, shown)| check(shown, &format!("a long run, event {i}")))
 }
 
-/// Returns the dtype of a space and that of an array in `value`, if they differ.
+/// Returns the dtype of a space and the dtype of an array in `value`, if the two differ.
 fn other_dtype(space: &Space, value: &Value) -> Option<(DType, DType)> {
     match (space, value) {
         (Space::Tuple(space), Value::Tuple(items)) => space

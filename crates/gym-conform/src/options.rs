@@ -224,7 +224,7 @@ pub(crate) fn forgotten(subject: &Subject<'_>) -> Verdict {
         let after = started(&mut env, Reset::seed(SEEDS[0]), None)?;
         let what = format!("an environment that was reset with {name}={example} before");
         same(&with_option(subject, None)?, &after, &what)?;
-        // no time limit: it would end episodes before the environment does
+        // no time limit, which would end episodes before the environment does
         let mut env = subject.unlimited()?;
         env.reset(Reset::seed(SEEDS[1]).option(name, example.clone()))?;
         if finish_episode(&mut env, subject.long()?)? {
@@ -261,7 +261,8 @@ fn forgotten_with_the_seed(subject: &Subject<'_>, name: &str, example: &Json) ->
     Ok(())
 }
 
-/// Takes at most `steps` random steps, to the end of the episode. Returns whether it has ended.
+/// Takes at most `steps` random steps, to the end of the episode. Returns whether the episode has
+/// ended.
 fn finish_episode(env: &mut BoxEnv, steps: usize) -> Result<bool> {
     let mut actions = env.action_sampler(0)?;
     for _ in 0..steps {

@@ -168,7 +168,7 @@ fn seeds_count(subject: &Subject<'_>, env: &mut BoxEnv) -> Verdict {
             other(env, by + u128::from(seed), steps)
         })?;
     }
-    // a difference of 2^128: the last digits are the seed's
+    // the seed `seed` plus 2^128, in decimal digits
     let what = "a seed and the one 2^128 above it always give the same episode";
     let above = |env: &mut BoxEnv, seed: u64, steps| {
         let seed = format!("3402823669209384634633746074317682114{}", 56 + seed);

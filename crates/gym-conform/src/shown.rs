@@ -6,7 +6,7 @@ use crate::subject::{MIDWAY, SEEDS, Subject, alike, info, roll_out};
 use crate::verdict::{Verdict, broken};
 use gym_core::{BoxEnv, Env, EnvExt};
 
-/// Checks that info, text and drawing depend only on the state. They must be equal in a second
+/// Checks that info, text and drawing depend only on the state. All three must be equal in a second
 /// environment, in a used environment after a reset, in copies, and after refused actions.
 pub(crate) fn follows(subject: &Subject<'_>) -> Verdict {
     for (i, seed) in SEEDS.into_iter().enumerate() {

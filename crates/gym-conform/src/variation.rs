@@ -194,7 +194,8 @@ fn differ_elsewhere(a: &Variant, b: &Variant, seed: u64, steps: usize) -> Result
         a.env.snapshot()?.get::<Json>()?,
         b.env.snapshot()?.get::<Json>()?,
     ];
-    // skip the parts in which the two snapshots differ: they are the effect of the change itself
+    // skip the parts in which the two snapshots differ: these parts are the effect of the change
+    // itself
     let moves = moves(&at_a)
         .into_iter()
         .filter(|to| to.is_same(&at_a, &at_b));

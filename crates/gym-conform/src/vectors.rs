@@ -28,7 +28,7 @@ struct Size {
     arguments: usize,
 }
 
-/// For environments whose observations have few numbers. Most of them are fast.
+/// For environments whose observations have few numbers. Most of these environments are fast.
 const SMALL: Size = Size {
     envs: 11,
     limit: 9,

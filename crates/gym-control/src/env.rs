@@ -47,7 +47,7 @@ pub struct ControlEnv {
     observation_space: Space,
     action_space: Space,
     layout: Layout,
-    /// The number of steps of an episode; it can be fractional or infinite.
+    /// The number of steps of an episode, which can be fractional or infinite.
     limit: f64,
     seen: Observation,
     pixels: Option<Pixels>,

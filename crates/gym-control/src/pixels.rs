@@ -56,8 +56,8 @@ impl fmt::Debug for Pixels {
     }
 }
 
-/// Paints nothing. `clone` cannot fail, so it needs a painter even if no linked crate provides one.
-/// (In practice a linked crate does, because `new` found a painter.)
+/// Paints nothing. `clone` cannot fail, so `clone` needs a painter even if no linked crate provides
+/// a painter. (In practice a linked crate does, because `new` found a painter.)
 struct Blank;
 
 impl Painter for Blank {

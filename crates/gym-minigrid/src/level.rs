@@ -125,8 +125,8 @@ pub trait Level: AsRef<View> + fmt::Debug + Send + Sync + 'static {
     }
 }
 
-/// Defines the struct of a [`Level`], like [`gym_core::arguments!`]. It adds the field `view` for
-/// the arguments that all tasks share. The calling crate needs `serde`.
+/// Defines the struct of a [`Level`], like [`gym_core::arguments!`]. The macro adds the field
+/// `view` for the arguments that all tasks share. The calling crate needs `serde`.
 #[macro_export]
 macro_rules! level {
     ($(#[$doc:meta])* $name:ident { $($arguments:tt)* }) => {

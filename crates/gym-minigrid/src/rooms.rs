@@ -31,7 +31,7 @@ pub(crate) struct Room {
     /// For each wall: the index of the room behind it.
     neighbors: [Option<usize>; 4],
     pub(crate) ways: [Way; 4],
-    /// For each wall: the position of its door, if it gets one.
+    /// For each wall: the position of its door, if the wall gets a door.
     door_pos: [Pos; 4],
     locked: bool,
     objects: Vec<(Kind, Color)>,
@@ -308,8 +308,8 @@ impl<'d, 'a> Rooms<'d, 'a> {
         reached.into_iter().all(|reached| reached)
     }
 
-    /// Places `count` random objects, in the given room or each in a random room. If `unique`, they
-    /// differ from each other and from all other objects.
+    /// Places `count` random objects, in the given room or each in a random room. If `unique`, the
+    /// new objects differ from each other and from all other objects.
     pub(crate) fn add_distractors(
         &mut self,
         room: Option<(i32, i32)>,

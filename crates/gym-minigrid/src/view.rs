@@ -13,8 +13,8 @@ pub(crate) const DIRECTIONS: [Pos; 4] = [
     Pos::new(0, -1),
 ];
 
-/// The square that the agent sees. It is `size` cells wide; the agent is in the middle of the last
-/// row.
+/// The square that the agent sees. The square is `size` cells wide; the agent is in the middle of
+/// the last row.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct View {
     pub(crate) size: i32,

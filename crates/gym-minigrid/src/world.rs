@@ -31,9 +31,10 @@ gym_core::discrete! {
 /// The record of a numbered object.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Thing {
-    /// The position where it was first placed.
+    /// The position where the object was first placed.
     pub(crate) start: Pos,
-    /// The position where it was last placed; [`NOWHERE`] while it is carried.
+    /// The position where the object was last placed; [`NOWHERE`] while the agent carries the
+    /// object.
     pub(crate) pos: Pos,
     /// The content, for a box.
     pub(crate) content: Cell,

@@ -144,8 +144,8 @@ pub struct Data {
     /// Iterations of the solver, by island.
     pub solver_niter: Vec<usize>,
 
-    /// The call that computed the derived arrays, and the state it started from; `None` if nothing
-    /// is computed yet.
+    /// The call that computed the derived arrays, and the state from which the call started; `None`
+    /// before the first call.
     pub(crate) last: Option<Call>,
     before: State,
     /// Whether `cfrc_ext` belongs to the last call.
@@ -344,7 +344,7 @@ impl Data {
         (self.behind, self.is_ahead) = (false, false);
     }
 
-    /// [`reset`](Self::reset) within a call.
+    /// [`reset`](Self::reset) without clearing the record of the last call.
     pub(crate) fn clear(&mut self, m: &Model) {
         self.fit(m);
         let d = &mut *self;
@@ -433,7 +433,7 @@ impl Data {
         state
     }
 
-    /// Copies the state to `state`. If no force is applied, it stores empty force arrays.
+    /// Copies the state to `state`, with empty force arrays if no force is applied.
     fn copy_state(&self, state: &mut State, pushed: bool) {
         state.time = self.time;
         for_parts!(self, &mut *state, clone_from);
@@ -483,8 +483,8 @@ impl Data {
         self.before = before;
     }
 
-    /// Prepares a timestep that does not store its start, and leaves out frames that it does not
-    /// read.
+    /// Prepares a timestep that neither stores its initial state nor computes the geom and site
+    /// frames that no stage of the timestep reads.
     #[inline]
     pub(crate) fn pass(&mut self, m: &Model) {
         self.fit(m);
@@ -494,7 +494,8 @@ impl Data {
         self.work.skips = true;
     }
 
-    /// Stores the state from which the second half of a step starts, beside that of the first half.
+    /// Stores the state from which the second half of a step starts, in addition to the state of
+    /// the first half.
     pub(crate) fn go_on(&mut self, m: &Model) {
         if !matches!(self.last, Some(Call::Step1 | Call::Forward)) {
             return self.begin(m, Call::Step2);
@@ -570,7 +571,7 @@ impl Data {
         Ok(())
     }
 
-    /// Resizes every array to the model; arrays of the right length are left alone.
+    /// Resizes every array to the sizes of the model. Arrays of the right length do not change.
     pub(crate) fn fit(&mut self, m: &Model) {
         if self.work.fits(m) {
             return;

@@ -39,11 +39,12 @@ pub struct NativeVectorEnv<D: Native> {
     closed: bool,
     /// Empty before the first reset.
     pub(crate) blocks: Vec<Block<D>>,
-    /// One for each environment, and for each unused place in the last block.
+    /// The random numbers of each environment, and of each unused lane in the last block.
     pub(crate) streams: Vec<D::Stream>,
     /// The last states of finished episodes, if [`Task::INFO`](gym_core::Task::INFO) is set.
     pub(crate) finals: Vec<D::Packed>,
-    /// For each environment, whether the last reset left it out; empty if it left out none.
+    /// For each environment, whether the mask of the last reset excluded the environment; empty if
+    /// the reset had no mask.
     pub(crate) left_out: Vec<bool>,
     /// A buffer for actions that are cast from another type.
     cast: Value,
@@ -242,7 +243,8 @@ impl<D: Native> NativeVectorEnv<D> {
         Ok(())
     }
 
-    /// The error of the first invalid action of an environment that takes one.
+    /// Returns the error of the first invalid action. Actions of environments that are due for a
+    /// reset are ignored.
     #[cold]
     fn refuse(&self, actions: <D::Action as ActionColumn>::Items<'_>) -> Result<()> {
         let due = |i: usize| self.blocks[i / LANES].due >> (i % LANES) & 1 == 1;
@@ -325,7 +327,8 @@ impl<D: Native> VectorEnv for NativeVectorEnv<D> {
                 None if unset => D::Stream::new(Generator::from_os()?),
                 None => self.streams[i].clone(),
             };
-            // all environments have the same options: if one cannot start, the first cannot
+            // all environments have the same options, so an error occurs at the first environment
+            // or at none
             let state = stream.lend(|rng| {
                 let own = match &mut self.varied {
                     Some(varied) => varied.draw(i, &self.dynamics, rng)?,
@@ -420,7 +423,7 @@ impl<D: Native> VectorEnv for NativeVectorEnv<D> {
         };
         self.left_out.clear();
         let (blocks, streams) = (&mut self.blocks, &mut self.streams);
-        // two functions: without optimisation, one function would need the stack of both
+        // two functions, because one function would, without optimisation, need the stack of both
         let result = if has_defaults {
             widest(
                 level,
@@ -497,7 +500,7 @@ impl<D: Native> VectorEnv for NativeVectorEnv<D> {
     }
 }
 
-/// One step, compiled for each set of vector instructions.
+/// A step as a kernel, compiled for each vector instruction set.
 struct Run<'a, D: Native, const DEFAULTS: bool> {
     step: Step<'a, D>,
     blocks: &'a mut [Block<D>],
@@ -518,7 +521,8 @@ fn mismatch<D: Native>(which: &str) -> Error {
     Error::Contract(format!("the {which} of {} do not fit their space", D::NAME))
 }
 
-/// One environment of a native vector. Its arguments are fixed: all environments share constants.
+/// One environment of a native vector. Its arguments cannot be set, because all environments share
+/// constants.
 struct OneEnv<'a, D: Native> {
     envs: &'a mut NativeVectorEnv<D>,
     index: usize,

@@ -65,7 +65,7 @@ where
 
     #[inline(always)]
     fn step_default_block<R: Real>(&self, token: R::Token, block: &mut Many<'_, Self>) {
-        // without `DEFAULTS`, `has_defaults` is false and this is never called
+        // without `DEFAULTS`, `has_defaults` is false and this function is never called
         if let Some(defaults) = E::DEFAULTS {
             let defaults = defaults.to_array();
             block.step::<R, K, A, P, O>(

@@ -28,7 +28,7 @@ struct Stored<S: Stream> {
 #[derive(Serialize, Deserialize)]
 #[serde(bound = "")]
 struct Numbers<S: Stream> {
-    /// The values as [`Packed::put`] writes them, one after the other.
+    /// The values of all environments, each as [`Packed::put`] writes it.
     #[serde(with = "row")]
     states: Vec<u8>,
     #[serde(with = "words")]

@@ -19,7 +19,7 @@ pub(crate) struct Block<D: Native> {
     pub(crate) due: u32,
     /// The environments that were never reset.
     pub(crate) unset: u32,
-    /// The environments whose episode ended in the last step, which reset them too.
+    /// The environments whose episode ended in the last step, and that this step reset.
     pub(crate) ended: u32,
 }
 
@@ -71,8 +71,8 @@ struct Results<O> {
 }
 
 impl<D: Native> Step<'_, D> {
-    /// Steps block by block. With `DEFAULTS`, all environments have the default constants. It is
-    /// inlined into one function for each set of vector instructions.
+    /// Steps block by block. With `DEFAULTS`, all environments have the default constants. `run` is
+    /// inlined into one function for each vector instruction set.
     #[inline(always)]
     pub(crate) fn run<R: Real, const DEFAULTS: bool>(
         mut self,
@@ -121,7 +121,7 @@ impl<D: Native> Step<'_, D> {
                 truncated,
             } = &results;
             if len == LANES {
-                // a slice whose length the compiler knows
+                // the compiler knows the length of this slice
                 D::Observation::write_rows(&mut self.observations, first, observations);
             } else {
                 D::Observation::write_rows(&mut self.observations, first, &observations[..len]);

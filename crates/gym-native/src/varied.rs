@@ -12,7 +12,7 @@ use crate::{LANES, Native, Packed};
 pub(crate) struct Varied<D: Native> {
     /// The arguments, sorted by name.
     each: Vec<(String, Each)>,
-    /// A buffer: one environment's values by name.
+    /// A buffer for one environment's values by name.
     values: Vec<(String, f64)>,
     /// For each environment: its drawn value of each argument that is a range.
     drawn: Vec<f64>,
@@ -103,8 +103,8 @@ impl<D: Native> Varied<D> {
             .count()
     }
 
-    /// Draws new values for an environment; `None` if no argument is a range. If its episode
-    /// starts, the caller stores them with [`keep`](Self::keep).
+    /// Draws new values for an environment; `None` if no argument is a range. If the episode
+    /// starts, the caller stores the values with [`keep`](Self::keep).
     ///
     /// # Errors
     /// [`Error::InvalidArgument`] for values that are each valid, but not in combination.

@@ -285,7 +285,7 @@ impl<'de> Stored<'de> {
     }
 }
 
-/// Methods that call one of the methods above.
+/// Defines deserializer methods that call one of the methods above.
 macro_rules! deserialize {
     ($($by:ident { $($method:ident($($arg:ident: $type:ty),*))* })*) => {
         $($(fn $method<V: Visitor<'de>>(self, $($arg: $type,)* visitor: V) -> Result<V::Value, Error> {

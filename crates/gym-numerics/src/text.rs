@@ -263,8 +263,8 @@ impl Style {
     }
 }
 
-/// Whether the numbers spread too far, or are too large or small, for plain decimals. As numpy
-/// does, this computes in the precision of the array.
+/// Whether numpy prints the numbers with exponents: numbers that are too large or too small, or
+/// whose ratio is too large. As numpy does, this computes in the precision of the array.
 fn needs_exponent(data: Numbers<'_>, finite: &[usize]) -> bool {
     let sizes = finite.iter();
     match data {
@@ -298,8 +298,8 @@ fn non_finite(x: f64) -> &'static str {
     }
 }
 
-/// With a decimal point and the fewest digits, at most `places` after it: `0.1`, `3.`,
-/// `-0.41887903`.
+/// Formats a number with a decimal point and the fewest digits, at most `places` after the point:
+/// `0.1`, `3.`, `-0.41887903`.
 fn positional(data: Numbers<'_>, index: usize, places: usize) -> String {
     let text = shortest(data, index);
     let exponent: i32 = split_exponent(&text).1.parse().unwrap_or(0);
@@ -337,8 +337,9 @@ fn scientific(data: Numbers<'_>, index: usize, places: usize) -> String {
 
 /// The fewest digits that read back as this number, in the form `-1.5e-5`.
 fn shortest(data: Numbers<'_>, index: usize) -> String {
-    /// If two such decimals are equally near, numpy takes the even one: the exact value rounded to
-    /// that number of digits.
+    /// Formats `x` with the shortest digits. If two shortest decimals are equally near to `x`,
+    /// numpy takes the decimal with an even last digit: `exact`, rounded to the same number of
+    /// digits.
     fn even<T: LowerExp + FromStr + PartialEq + Copy>(x: T, exact: f64) -> String {
         let text = format!("{x:e}");
         let rounded = format!("{exact:.*e}", fraction_len(&text));
@@ -383,7 +384,7 @@ struct Layout<'a> {
 }
 
 impl Layout<'_> {
-    /// The part of the array below one index per axis passed, in brackets.
+    /// Formats in brackets the part of the array at fixed indices of the first `axis` axes.
     fn rows(&self, axis: usize, start: usize, width: usize) -> String {
         let n = self.shape[axis];
         let stride: usize = self.shape[axis + 1..].iter().product();
@@ -413,7 +414,7 @@ impl Layout<'_> {
     }
 }
 
-/// The words in lines of a width, each line but the first indented.
+/// Joins words to lines of at most `width` characters, and indents each line except the first.
 fn fill(words: impl Iterator<Item = String>, indent: &str, width: usize) -> String {
     let mut text = String::new();
     let mut line = indent.to_owned();

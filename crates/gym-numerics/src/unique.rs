@@ -1,5 +1,5 @@
 //! JSON whose objects have each key once, for `#[serde(deserialize_with = "...")]`. Serde's own
-//! [`Json`] keeps the last of two equal keys, without a word.
+//! [`Json`] keeps the last of two equal keys, and returns no error.
 
 use std::fmt;
 

@@ -58,7 +58,7 @@ inventory::submit! {
     })
 }
 
-/// Added to the variance, as by the wrapper `NormalizeObservation`.
+/// The number that the wrapper `NormalizeObservation` adds to the variance.
 const EPSILON: f64 = 1e-8;
 
 /// The controller of a network that `gym-ppo` trained and its command `export` wrote, in JSON.
@@ -85,7 +85,7 @@ pub fn network_of_parts(
     // weights, inputs by outputs, and bias of each layer
     let layers: Vec<Vec<f32>> = serde_json::from_value(stored["network"].clone())
         .map_err(|error| wrong(format!("`network`: {error}")))?;
-    // `moments` has one entry, named by the dtype of the observations of the training: F32 or F64
+    // `moments` has one entry, named by the dtype of the observations in training: F32 or F64
     let moments = (stored["normalization"]["moments"].as_object())
         .and_then(|moments| moments.values().next());
     let numbers = |moments: &Json, name: &str| -> Result<Vec<f64>> {
@@ -171,7 +171,8 @@ fn size(space: &Space) -> usize {
     space.shape().map_or(0, |shape| shape.iter().product())
 }
 
-/// The numbers of an observation: of an array, or of the `parts` of a dict, one after the other.
+/// Returns the numbers of an observation: of an array, or of the entries `parts` of a dict, in this
+/// order.
 fn numbers_of(seen: &Value, parts: &[&str]) -> Option<Vec<f64>> {
     if let Some(array) = seen.as_array() {
         return Some(array.iter_f64().collect());

@@ -10,7 +10,7 @@ type Result<T> = candle_core::Result<T>;
 
 const BETA_1: f64 = 0.9;
 const BETA_2: f64 = 0.999;
-/// Baselines' value for PPO.
+/// The value of OpenAI Baselines' PPO.
 const EPSILON: f64 = 1e-5;
 
 /// Variables and the running moments of their gradients.

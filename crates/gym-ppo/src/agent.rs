@@ -30,7 +30,7 @@ pub(crate) struct Agent {
     network: Network,
     head: Head,
     optimizer: Adam,
-    /// These threads share the portions of a batch.
+    /// The threads that compute the gradients of a batch, each for a part of the batch.
     threads: ThreadPool,
 }
 
@@ -99,8 +99,8 @@ impl Agent {
         self.optimizer.restore(stored)
     }
 
-    /// Returns how many variables belong to the policy. They are the first variables of the
-    /// optimizer.
+    /// Returns the number of variables that belong to the policy. These are the first variables of
+    /// the optimizer.
     pub(crate) fn policy_variables(&self) -> usize {
         self.network.policy_variables().count()
     }
@@ -110,8 +110,8 @@ impl Agent {
         self.network.set_policy(network)
     }
 
-    /// Draws an action for each observation. The sample has its log-probability and the
-    /// observation's value.
+    /// Draws an action for each observation. The sample also has the log-probabilities of the
+    /// actions and the values of the observations.
     pub(crate) fn sample(&self, observations: &Tensor, rng: &mut Generator) -> Result<Sample> {
         let (outputs, values) = self.network.forward(observations)?;
         let actions = match &self.head {
@@ -290,8 +290,8 @@ impl Agent {
     }
 }
 
-/// Returns a tensor with the shape and numbers of `value`. Numbers of float64 become float32, which
-/// changes no action of this agent: it computes in float32.
+/// Returns a tensor with the shape and numbers of `value`. Converts float64 to float32, in which
+/// the networks compute.
 pub(crate) fn tensor(value: &Value) -> Result<Tensor> {
     let refuse = || {
         candle_core::Error::Msg(format!(

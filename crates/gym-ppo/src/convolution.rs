@@ -2,8 +2,9 @@
 //!
 //! A kernel covers two by two blocks of the image, each as wide as the stride. So the image is cut
 //! into blocks, one matrix product computes the parts that each block contributes to the four
-//! outputs that overlap it, and [`Overlap`] sums these parts. This avoids a copy of each block per
-//! kernel. candle cannot differentiate these operations: [`Gradients`] holds their gradients.
+//! outputs that overlap the block, and [`Overlap`] sums these parts. This avoids a copy of each
+//! block per kernel. candle cannot differentiate these operations: [`Gradients`] holds their
+//! gradients.
 
 use std::iter::zip;
 
@@ -171,7 +172,7 @@ impl CustomOp2 for Overlap {
 }
 
 /// The backward pass of [`Overlap`]: returns the gradients of its parts (one row per block) and of
-/// its bias, from its result `sums` and the gradient of that.
+/// its bias, from its result `sums` and the gradient of the result.
 fn spread(
     rows: usize,
     columns: usize,

@@ -17,8 +17,8 @@ const HIDDEN: usize = 64;
 /// Images per gradient computation: few enough that the activations fit the CPU's caches.
 const PICTURES: usize = 32;
 
-/// The policy and value networks. For rows of numbers they are two networks of equal shape; for
-/// images they are two linear layers on the features of one encoder.
+/// The policy and value networks. For observations of numbers, the two networks have equal shapes.
+/// For images, both are a linear layer on the features of a shared encoder.
 pub(crate) struct Network {
     encoder: Option<Encoder>,
     policy: Layers,
@@ -32,7 +32,7 @@ impl Network {
         outputs: usize,
         rng: &mut Generator,
     ) -> anyhow::Result<Self> {
-        // a small gain makes the first policy near uniform, so that it explores
+        // a small gain makes the initial policy nearly uniform, so the agent explores
         let (policy_gain, value_gain) = (0.01, 1.0);
         match observation {
             Space::Box(space) if space.dtype() == gym::DType::U8 && space.shape().len() == 3 => {
@@ -238,7 +238,7 @@ const CONVOLUTIONS: [(usize, usize); 2] = [(4, 16), (2, 32)];
 /// Two convolutions and a dense layer: the network of Mnih et al., "Playing Atari with Deep
 /// Reinforcement Learning" (2013).
 struct Encoder {
-    /// Their weights have the layout that [`convolve`] takes.
+    /// The weights of the convolutions have the layout that [`convolve`] takes.
     convolutions: [Layer; 2],
     dense: Layer,
 }
@@ -257,7 +257,7 @@ impl Encoder {
         };
         let gain = 2f64.sqrt();
         let mut convolution = |size: usize, outputs: usize| {
-            // a kernel is a column of weights: its four quarters, one after another
+            // a kernel is a column of weights, made of its four quarters one after another
             let kernels = orthogonal(outputs, 4 * size, gain, rng);
             let weights = (0..size).flat_map(|i| {
                 let kernels = &kernels;
@@ -309,8 +309,8 @@ impl Encoder {
     }
 
     /// Returns the gradients of the variables, computed from the features' gradients. candle's own
-    /// backward pass would be slower: it adds each gradient to a tensor of zeros and differentiates
-    /// the images too.
+    /// backward pass is slower, because it adds each gradient to a tensor of zeros, and also
+    /// computes gradients of the images.
     fn gradients(&self, activations: &Activations, of_features: &Tensor) -> Result<[Tensor; 6]> {
         let [_, (second_side, _)] = CONVOLUTIONS;
         let [_, (second, _), (dense, _)] = self.tensors();
@@ -346,7 +346,7 @@ impl Encoder {
         ])
     }
 
-    /// Returns weights and bias of each layer, detached: candle computes no gradients for them.
+    /// Returns weights and bias of each layer, detached, so that candle computes no gradients.
     fn tensors(&self) -> [(Tensor, Tensor); 3] {
         let [first, second] = &self.convolutions;
         [first, second, &self.dense].map(|layer| (layer.weights.detach(), layer.bias.detach()))
@@ -369,8 +369,8 @@ struct Activations {
     features: Tensor,
 }
 
-/// Returns `count` vectors of `length` numbers. The vectors are orthogonal if `count <= length`;
-/// otherwise the columns are, which hold one component of every vector.
+/// Returns `count` vectors of `length` numbers. The vectors are orthogonal if `count <= length`.
+/// Otherwise the columns are orthogonal; a column has the same component of every vector.
 fn orthogonal(count: usize, length: usize, gain: f64, rng: &mut Generator) -> Vec<Vec<f32>> {
     if count > length {
         let components = orthogonal(length, count, gain, rng);

@@ -11,8 +11,8 @@ use crate::batch::Batch;
 use crate::numbers::Numbers;
 use crate::settings::Settings;
 
-/// The columns of consecutive steps. The environments write into them. Row 0 holds the observations
-/// before the first actions; row `t + 1` holds the results of the actions `t`.
+/// The columns of consecutive steps, into which the environments write. Row 0 holds the
+/// observations before the first actions; row `t + 1` holds the results of the actions `t`.
 pub(crate) struct Rollout {
     columns: Vec<Columns>,
     actions: Vec<Value>,
@@ -70,8 +70,8 @@ impl Rollout {
         Ok(())
     }
 
-    /// Steps `envs` with actions that it samples from the agent's policy, and calls `each` with the
-    /// columns of each step.
+    /// Steps `envs` with actions sampled from the agent's policy, and calls `each` with the columns
+    /// of each step.
     pub(crate) fn collect(
         &mut self,
         envs: &mut dyn VectorEnv,

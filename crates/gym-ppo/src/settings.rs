@@ -144,7 +144,7 @@ impl Settings {
             };
         }
         if id.starts_with("Swimmer") {
-            // a stroke is rewarded much later
+            // the reward for a swimming stroke comes many steps later
             return Self {
                 discount: 0.9999,
                 ..continuous

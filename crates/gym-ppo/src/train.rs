@@ -24,7 +24,7 @@ const FRAMES: usize = 4;
 /// Progress lines that a whole training prints.
 const LINES: u64 = 40;
 
-/// The spec of the vector. `RecordEpisodeStatistics` comes first, so it records the returns before
+/// The spec of the vector. `RecordEpisodeStatistics` comes first, to record the returns before
 /// other wrappers change rewards.
 fn spec(id: &str, settings: &Settings, task: Task) -> gym::Result<VectorSpec> {
     let mut env = builder(id);
@@ -38,7 +38,8 @@ fn spec(id: &str, settings: &Settings, task: Task) -> gym::Result<VectorSpec> {
         env = env.arg("flat", true).arg("dtype", "float32");
     }
     if task == Task::Grid {
-        // the cells as zeros and ones for kind, colour and state; the mission is left out
+        // observe the one-hot encoding of each cell's object type, colour and state, without the
+        // mission
         let names = [
             "OneHotPartialObsWrapper",
             "ImgObsWrapper",
@@ -315,7 +316,7 @@ mod tests {
         enum Answer { Lying, Standing }
     }
 
-    /// A one-step task: the action says whether the bar in an image is lying or standing.
+    /// A one-step task: the action classifies the bar in an image as horizontal or vertical.
     #[derive(Clone, Debug)]
     struct Bars;
 

@@ -1,4 +1,4 @@
-//! Actions of a single environment, and how Gymnasium's environments refuse what is none.
+//! Actions of a single environment, and the errors of Gymnasium's environments for invalid actions.
 
 use gym::registry::find;
 use gym::{Space, Value};
@@ -10,19 +10,19 @@ use pyo3::types::PyTuple;
 use crate::convert::{action_from_python, numpy};
 use crate::error::gymnasium;
 
-/// How Gymnasium's environment looks at an action.
+/// How Gymnasium's environment checks an action.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Check {
-    /// It must be an element of the action space.
+    /// Requires an element of the action space.
     Element,
-    /// It must be equal to one: a table is asked for it.
+    /// Looks up the action in a table, so any object that equals an element is accepted.
     Equal,
-    /// It must be of the space's shape.
+    /// Requires the shape of the action space.
     Shape,
 }
 
 impl Check {
-    /// That of an id.
+    /// Returns the check of the environment `id`.
     pub(crate) fn of(id: &str) -> Self {
         match find(id).map_or("", |registration| registration.source.package) {
             "gym-toytext" if !id.starts_with("Blackjack") => Self::Equal,
@@ -43,7 +43,7 @@ impl Check {
     }
 }
 
-/// The action that is equal to an object, such as `1.0` and `np.True_`.
+/// Returns the action that equals `action`, such as 1 for `1.0` and `np.True_`.
 fn equal(space: &Space, action: &Bound<'_, PyAny>) -> Option<Value> {
     let Space::Discrete(space) = space else {
         return None;

@@ -24,7 +24,7 @@ pub(crate) struct Ale(Py<Env>);
 pub(crate) struct AleState {
     /// The state as JSON.
     state: String,
-    /// Whether restoring it also restores the random numbers.
+    /// Whether restoring this state also restores the random number generator.
     include_rng: bool,
     frame_number: u32,
     episode_frame_number: u32,

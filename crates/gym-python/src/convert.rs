@@ -36,14 +36,14 @@ pub(crate) fn new_array<'py, T: Element + Copy>(
     }
 }
 
-/// A number as one of numpy's, such as `numpy.float64`.
+/// Converts a number to a numpy scalar, such as `numpy.float64`.
 pub(crate) fn scalar<T: Element + Copy>(
     py: Python<'_>,
     mut number: T,
 ) -> PyResult<Bound<'_, PyAny>> {
     let (data, dtype) = ((&raw mut number).cast(), numpy::dtype::<T>(py));
-    // SAFETY: numpy reads a number of the type `T` there, and returns a new reference, or null with
-    // an exception set.
+    // SAFETY: numpy reads a number of the type `T` at `data`, and returns a new reference, or null
+    // with an exception set.
     unsafe {
         let made = PY_ARRAY_API.PyArray_Scalar(py, data, dtype.as_dtype_ptr(), null_mut());
         Bound::from_owned_ptr_or_err(py, made)
@@ -94,8 +94,8 @@ pub(crate) fn to_python<'py>(py: Python<'py>, value: &Value) -> PyResult<Bound<'
     })
 }
 
-/// Writes a value to the arrays of `old`, a value from an earlier call. Arrays of another type or
-/// shape are made anew.
+/// Writes a value to the arrays of `old`, a value from an earlier call. Replaces arrays of another
+/// type or shape.
 pub(crate) fn refill<'py>(
     py: Python<'py>,
     value: &Value,
@@ -147,8 +147,9 @@ pub(crate) fn rendered<'py>(py: Python<'py>, rendered: &Rendered) -> PyResult<Bo
     }
 }
 
-/// A Python object as an action, or with `n` as a batch of `n` actions: like [`from_python`], but
-/// real numbers keep their precision, because Gymnasium computes in it.
+/// Converts a Python object to an action, or with `n` to a batch of `n` actions. Unlike in
+/// [`from_python`], floats keep their precision, because Gymnasium computes in the precision of the
+/// action.
 pub(crate) fn action_from_python(
     space: &Space,
     batch: Option<(usize, &Space)>,
@@ -178,7 +179,7 @@ pub(crate) fn action_from_python(
     if dtype == DType::F32 || !is_list_of_numbers(object)? {
         return Ok(Value::Array(numbers));
     }
-    // Python numbers have no precision of their own: numpy gives them that of the other operand
+    // numpy computes with a Python number in the precision of the other operand
     let row = inner.shape().iter().product::<usize>().max(1);
     let numbers: Vec<Value> = numbers.iter_f64().map(Value::Float).collect();
     Ok(Value::Tuple(match n {
@@ -273,7 +274,7 @@ pub(crate) fn from_python(space: &Space, object: &Bound<'_, PyAny>) -> PyResult<
     }
 }
 
-/// A Python object as a batch of any number of elements of a space, such as the nodes of a graph.
+/// Converts a Python object to a batch of elements of a space, such as the nodes of a graph.
 fn batch_from_python(space: &Space, object: &Bound<'_, PyAny>) -> PyResult<Value> {
     match space {
         Space::Tuple(space) => {
@@ -301,7 +302,7 @@ fn batch_from_python(space: &Space, object: &Bound<'_, PyAny>) -> PyResult<Value
     }
 }
 
-/// The members of a Python sequence; an error unless there are `n`.
+/// Returns the members of a Python sequence; an error unless the sequence has `n` members.
 fn members<'py>(object: &Bound<'py, PyAny>, n: usize) -> PyResult<Vec<Bound<'py, PyAny>>> {
     let items: Vec<_> = object.try_iter()?.collect::<PyResult<_>>()?;
     if items.len() == n {

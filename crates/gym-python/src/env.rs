@@ -25,11 +25,9 @@ use crate::fork::Origin;
 use crate::numbers::Numbers;
 use crate::{mujoco, peek, registry};
 
-/// An environment without wrappers. Several threads may use it: their calls come one after the
-/// other.
+/// An environment without wrappers. Calls of several threads run one after the other.
 ///
-/// The lock of Python is released while an environment works, unless its steps are so short that
-/// this would take longer.
+/// A call releases the GIL, unless the steps of the environment take less time than the release.
 #[pyclass(frozen, module = "rustgym._native")]
 #[derive(Debug)]
 pub(crate) struct Env {
@@ -44,7 +42,7 @@ pub(crate) struct Env {
     check: Check,
     /// The types of rewards and infos.
     numbers: Numbers,
-    /// Whether a step is worth releasing the lock of Python.
+    /// Whether a step takes longer than releasing the GIL.
     is_slow: bool,
     origin: Origin,
 }
@@ -54,7 +52,7 @@ struct Core {
     env: BoxEnv,
     observation: Value,
     frame: Rendered,
-    /// Whether an episode was started, and none has panicked since.
+    /// Whether an episode has begun, and no call has panicked since.
     is_running: bool,
 }
 
@@ -135,7 +133,7 @@ impl Env {
         }
     }
 
-    /// A copy of an environment of a vector, with the wrappers it has there.
+    /// Makes an `Env` from the copy of a vector's environment, which includes its wrappers.
     pub(crate) fn of_vector(env: BoxEnv, spec: &EnvSpec) -> Self {
         let kwargs = Json::Object(spec.kwargs.clone()).to_string();
         let render_mode = spec.render_mode.map(RenderMode::name);
@@ -151,7 +149,7 @@ impl Env {
         )
     }
 
-    /// Runs something with the game of an Atari environment.
+    /// Calls `f` with the environment if the environment is an Atari game.
     pub(crate) fn with_atari<T>(
         &self,
         py: Python<'_>,
@@ -208,7 +206,7 @@ impl Env {
         }
     }
 
-    /// Changes what the environment lets be changed; `json` says how.
+    /// Changes a part of the environment that can be set, to the value `json`.
     fn inspect<T: DeserializeOwned>(
         &self,
         py: Python<'_>,
@@ -298,7 +296,7 @@ impl Env {
         self.lock(py)?.snapshot()
     }
 
-    /// Goes on from a snapshot; `is_running` says whether it is of an episode.
+    /// Restores a snapshot. `is_running`: whether the snapshot was taken within an episode.
     fn restore(&self, py: Python<'_>, snapshot: &str, is_running: bool) -> PyResult<()> {
         let snapshot = serde_json::from_str(snapshot)
             .and_then(serde_json::from_value::<Snapshot>)
@@ -315,7 +313,8 @@ impl Env {
         Ok(self.lock(py)?.is_running)
     }
 
-    /// The state of the generator as JSON; `None` before the first reset, or where there is none.
+    /// The state of the generator as JSON; `None` before the first reset, and for environments
+    /// without a generator.
     fn generator(&self, py: Python<'_>) -> PyResult<Option<String>> {
         let mut core = self.lock(py)?;
         Ok(core
@@ -331,7 +330,8 @@ impl Env {
             .or_raise()?;
         let mut core = self.lock(py)?;
         if core.env.generator().is_none() {
-            // an environment has a generator once it was reset; the next reset carries that one on
+            // an environment has a generator after the first reset; a later reset without a seed
+            // continues with the same generator
             let is_running = core.is_running;
             core.reset(&Reset::seed(0))?;
             core.is_running = is_running;
@@ -348,7 +348,7 @@ impl Env {
         Ok(())
     }
 
-    /// The state as JSON, for environments whose dynamics are pure functions of one.
+    /// The state as JSON, for environments whose dynamics are pure functions of the state.
     fn state(&self, py: Python<'_>) -> PyResult<Option<String>> {
         let core = self.lock(py)?;
         let state = core.env.inspect().and_then(Inspect::state);
@@ -370,13 +370,14 @@ impl Env {
         })
     }
 
-    /// The arguments as they are, as JSON; those it was made with, where they cannot be set.
+    /// The current arguments as JSON. If an environment's arguments cannot be set: the arguments
+    /// that it was made with.
     fn arguments(&self, py: Python<'_>) -> PyResult<String> {
         let core = self.lock(py)?;
         let Some(Json::Object(mut arguments)) = core.env.inspect().map(Inspect::arguments) else {
             return Ok(self.kwargs.clone());
         };
-        // an id may be of a version that lacks some
+        // the version of an id may lack some arguments
         if let Ok(known) = find(&self.id).and_then(|registration| registration.arguments()) {
             arguments.retain(|name, _| known.iter().any(|argument| argument.name == name));
         }
@@ -411,8 +412,8 @@ impl Env {
         mujoco::data(py, &self.lock(py)?.env)
     }
 
-    /// The last call of the engine of a MuJoCo task: whether it was a step, where it started, where
-    /// it led.
+    /// The last call of a MuJoCo task's engine: whether the call was a step, the state before the
+    /// call, and the state after the call.
     fn mujoco_before<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyTuple>>> {
         mujoco::before(py, &self.lock(py)?.env)
     }
@@ -449,7 +450,7 @@ impl Env {
         Ok(())
     }
 
-    /// Closes the window, if there is one; everything else is as it was.
+    /// Closes the window, if there is one, and changes nothing else.
     fn close(&self, py: Python<'_>) -> PyResult<()> {
         if self.render_mode.as_deref() != Some("human") {
             return Ok(());
@@ -519,7 +520,7 @@ impl Env {
         ))
     }
 
-    /// The environment that `__reduce__` took apart.
+    /// Rebuilds an environment from the parts that `__reduce__` returned.
     #[staticmethod]
     #[pyo3(signature = (id, kwargs, render_mode, wrappers, snapshot, is_running, observation))]
     #[expect(

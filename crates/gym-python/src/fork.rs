@@ -8,7 +8,8 @@ use pyo3::prelude::*;
 /// The number of forks between the first process and this one.
 static FORKS: AtomicU64 = AtomicU64::new(0);
 
-/// Marks this process as the child of a fork; Python calls it by `os.register_at_fork`.
+/// Marks this process as the child of a fork. Python calls the function through
+/// `os.register_at_fork`.
 #[pyfunction]
 pub(crate) fn after_fork_in_child() {
     FORKS.fetch_add(1, Ordering::Relaxed);
@@ -19,7 +20,7 @@ pub(crate) fn after_fork_in_child() {
 pub(crate) struct Origin(u64);
 
 impl Origin {
-    /// This process.
+    /// Returns the origin of objects made in this process.
     pub(crate) fn here() -> Self {
         Self(FORKS.load(Ordering::Relaxed))
     }
@@ -29,7 +30,7 @@ impl Origin {
         self.0 == Self::here().0
     }
 
-    /// Refuses to wait for threads of the parent: they do not exist in this process.
+    /// Returns an error in a forked child, where the threads of the parent do not exist.
     pub(crate) fn check(self, what: &str) -> PyResult<()> {
         if self.is_here() {
             return Ok(());

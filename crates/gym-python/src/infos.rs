@@ -8,10 +8,10 @@ use crate::convert::{new_array, numpy, to_python};
 use crate::numbers::Numbers;
 use crate::registry;
 
-/// The keys of a vector with `SameStep` that come before those of the environments.
+/// The keys of a vector with `SameStep` autoreset that precede the keys of the environments.
 const FINAL: [&str; 2] = ["final_obs", "final_info"];
 
-/// A key of infos and that of its mask.
+/// A key of infos, and the key of its mask.
 #[derive(Debug)]
 pub(crate) struct Key {
     name: String,
@@ -28,8 +28,8 @@ impl Key {
     }
 }
 
-/// Adds the columns with the keys of `order`, then all others; each is followed by its mask. Numbers
-/// are of the types that `numbers` says, after actions of `float32` or not.
+/// Adds the columns with the keys of `order`, then all others; each is followed by its mask.
+/// `numbers` has the types of the numbers, and whether the actions were `float32`.
 pub(crate) fn ordered<'py>(
     py: Python<'py>,
     infos: &Info,
@@ -92,8 +92,8 @@ fn typed_column<'py>(
     }
 }
 
-/// The keys of an environment's `info` in the order in which it gives them after a reset, and after
-/// a step. (None of an environment that cannot be made or stepped without further ado.)
+/// Returns the keys of an environment's `info` after a reset and after a step, each in the
+/// environment's order. Returns no keys for an environment that cannot be made or stepped.
 pub(crate) fn info_keys(py: Python<'_>, spec: &EnvSpec) -> [Vec<Key>; 2] {
     found_keys(spec).map(|keys| keys.iter().map(|key| Key::new(py, key)).collect())
 }
@@ -132,8 +132,8 @@ fn found_keys(spec: &EnvSpec) -> [Vec<String>; 2] {
     keys
 }
 
-/// A column of infos: flags and numbers are arrays, anything else an array of objects, a dict one
-/// of columns.
+/// Converts a column of infos. Flags and numbers become arrays of their types, a dict becomes a
+/// dict of columns, and other values become an array of objects.
 fn column_to_python<'py>(py: Python<'py>, column: &Value) -> PyResult<Bound<'py, PyAny>> {
     match column {
         Value::Tuple(items) => {

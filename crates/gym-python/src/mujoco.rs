@@ -43,8 +43,8 @@ pub(crate) fn mujoco_models() -> Vec<&'static str> {
     tasks::models().map(|(name, _)| name).collect()
 }
 
-/// Whether the last call of the engine was a step; the state from which it started; and where the
-/// step led. `None` before the first reset, and for other environments.
+/// Returns whether the last call of the engine was a step, the state before the call, and the state
+/// after the step. `None` before the first reset, and for other environments.
 pub(crate) fn before<'py>(py: Python<'py>, env: &BoxEnv) -> PyResult<Option<Bound<'py, PyTuple>>> {
     let Some(data) = simulated(env).and_then(Simulated::data) else {
         return Ok(None);
@@ -84,9 +84,9 @@ fn matrix<'py, const N: usize>(
     PyArray1::from_slice(py, rows.as_flattened()).reshape([rows.len(), N])
 }
 
-/// The parts of the model, and its stepping: its source, the text of a built-in one, initial
-/// positions, number of velocities, names of bodies, timestep, and the version of MuJoCo with the
-/// names of all versions. `None` for other environments.
+/// The model: its source, the XML of a built-in model, initial positions, number of velocities,
+/// names of bodies, timestep, and the version of MuJoCo with the names of all versions. `None` for
+/// other environments.
 pub(crate) fn model<'py>(py: Python<'py>, env: &BoxEnv) -> PyResult<Option<Bound<'py, PyDict>>> {
     let Some(env) = simulated(env) else {
         return Ok(None);

@@ -24,7 +24,7 @@ enum Number {
     Int,
     /// numpy's `float64`.
     Float64,
-    /// numpy's `float32` where the action is of that type, else `float64`.
+    /// numpy's `float32` if the action is `float32`, else `float64`.
     OfAction,
 }
 
@@ -37,7 +37,7 @@ pub(crate) struct Numbers {
     /// Whether the version is before 5.
     is_old: bool,
     reward: Number,
-    /// The size of the reward that is an `int` where it ends an episode; 0 for none.
+    /// The magnitude of the reward that is an `int` in the last step of an episode; 0 for none.
     last_reward: f64,
     /// The type of `reward_ctrl`.
     control: Number,
@@ -54,7 +54,7 @@ struct Key {
 }
 
 impl Numbers {
-    /// Those of the environment `id` with these arguments.
+    /// Returns the types of the environment `id` with the arguments `kwargs`.
     pub(crate) fn of(id: &str, kwargs: &Kwargs) -> Self {
         let package = find(id).map_or("", |registration| registration.source.package);
         let name = id.rsplit_once('/').map_or(id, |(_, name)| name);
@@ -94,8 +94,8 @@ impl Numbers {
         self.reward == Number::Int
     }
 
-    /// Gives the arguments, which the environment has as `f64`, the types from which [`of`](Self::of)
-    /// makes the same.
+    /// Converts the arguments, which the environment has as `f64`, to the types from which
+    /// [`of`](Self::of) makes equal types.
     #[expect(clippy::cast_possible_truncation, reason = "they were whole numbers")]
     pub(crate) fn restore(&self, arguments: &mut Kwargs) {
         let rewards = arguments.get_mut(REWARDS).and_then(Json::as_array_mut);
@@ -120,7 +120,8 @@ impl Numbers {
         }
     }
 
-    /// Whether an action, or a batch of them, is an array of `float32`, where it matters.
+    /// Whether an action or a batch of actions is an array of `float32`; false for environments
+    /// whose numbers do not depend on this.
     pub(crate) fn is_single(&self, action: &Bound<'_, PyAny>) -> bool {
         if !self.is_mujoco && self.reward != Number::OfAction {
             return false;
@@ -129,7 +130,7 @@ impl Numbers {
         array.is_ok_and(|array| array.dtype().is_equiv_to(&dtype::<f32>(action.py())))
     }
 
-    /// The reward of a step with this action.
+    /// Returns the reward of a step with the action `action`.
     pub(crate) fn reward<'py>(
         &self,
         outcome: &Outcome,
@@ -189,7 +190,7 @@ impl Numbers {
         Ok(info)
     }
 
-    /// A column of infos, where its numbers are not of `float64`.
+    /// Converts a column of infos; `None` if its numbers are `float64`.
     #[expect(clippy::cast_possible_truncation, reason = "the type is Gymnasium's")]
     pub(crate) fn column<'py>(
         &self,

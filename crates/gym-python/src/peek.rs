@@ -7,8 +7,8 @@ use pyo3::types::{PyDict, PyList, PyTuple};
 use serde_json::Value as Json;
 
 /// Gymnasium's `P` and `initial_state_distrib`, for environments that have them: `{state: {action:
-/// [(probability, next state, reward, terminated), ...]}}`, and a list of probabilities. `is_whole`
-/// says whether rewards that are whole numbers are of the type `int`.
+/// [(probability, next state, reward, terminated), ...]}}`, and a list of probabilities.
+/// `is_whole`: whether integral rewards have the type `int`.
 #[expect(clippy::cast_possible_truncation, reason = "rewards are small numbers")]
 pub(crate) fn table<'py>(
     py: Python<'py>,

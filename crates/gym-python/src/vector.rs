@@ -24,11 +24,12 @@ use crate::fork::Origin;
 use crate::infos::{Key, info_keys, ordered};
 use crate::numbers::Numbers;
 
-/// A vector of environments. The GIL is released while it works.
+/// A vector of environments. The vector releases the GIL during a call.
 #[pyclass(frozen, module = "rustgym._native")]
 #[derive(Debug)]
 pub(crate) struct Vector {
-    /// The child of a fork must not drop it: dropping waits for threads that only the parent has.
+    /// A forked child must not drop the vector: dropping waits for threads that exist only in the
+    /// parent.
     core: ManuallyDrop<Mutex<Core>>,
     spec: VectorSpec,
     /// The space of one action, and the space of a batch.
@@ -53,7 +54,7 @@ struct Core {
 enum Envs {
     /// A sync or native vector.
     Here(Box<dyn VectorEnv>),
-    /// An async vector, by its own type because of `send` and `recv`.
+    /// An async vector. The variant has the concrete type for `send` and `recv`.
     Async(Box<AsyncVectorEnv>),
 }
 
@@ -122,8 +123,8 @@ impl Vector {
 }
 
 impl Core {
-    /// Observations, rewards and flags as arrays: new ones, or those returned by the step before
-    /// last.
+    /// Returns arrays for observations, rewards and flags: new arrays, or the arrays that the step
+    /// before last returned.
     fn arrays<'py>(&mut self, py: Python<'py>) -> PyResult<[Bound<'py, PyAny>; 4]> {
         let Self {
             columns, spares, ..

@@ -27,8 +27,8 @@ const TICKS_PER_SECOND: u64 = 100;
 /// The shortest delay: browsers show an image with a shorter delay for 10 ticks.
 const SHORTEST_DELAY: u64 = 2;
 
-/// An animation that is being written. It loops forever. Frames appear at their times, rounded to
-/// hundredths of a second; rounding errors do not accumulate.
+/// An animation that is being written, and that loops forever. Frames appear at their times,
+/// rounded to hundredths of a second; rounding errors do not accumulate.
 ///
 /// The last frame is not written until its duration is known.
 pub(crate) struct Gif<W: Write + Seek> {
@@ -147,7 +147,8 @@ impl<W: Write + Seek> Gif<W> {
         }
     }
 
-    /// Translates `pixels` to `entries`; returns the image's own colour table if it needs one.
+    /// Translates `pixels` to `entries`; returns the image's own colour table if the image needs
+    /// its own table.
     fn table(&mut self) -> Option<Palette> {
         if self.palette.translate(&self.pixels, &mut self.entries) {
             return None;
@@ -472,7 +473,7 @@ mod tests {
             a.clone(),
         ];
         assert_eq!(delays(&decode(&encode(20, &run))), [15, 10, 5]);
-        // a change that is reverted before it is visible
+        // a change that is reverted before the change is visible
         assert_eq!(
             delays(&decode(&encode(100, &[a.clone(), a.clone(), b, a]))),
             [2, 2]

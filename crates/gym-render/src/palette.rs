@@ -10,7 +10,7 @@ pub(crate) type Rgb = [u8; 3];
 
 /// The entries of a full colour table.
 pub(crate) const ENTRIES: usize = 256;
-/// The entry of transparent pixels; it is never a colour.
+/// The entry of transparent pixels, which is never a colour.
 pub(crate) const TRANSPARENT: u8 = 0;
 /// The number of most frequent colours that a reduced colour table contains unchanged.
 const COMMON: usize = 128;

@@ -45,7 +45,7 @@ const INK: Color = Color::rgb(50, 50, 50);
 const AXIS: Color = Color::rgb(130, 130, 130);
 const GRID: Color = Color::rgb(232, 232, 232);
 /// The colours of Okabe and Ito, "Color Universal Design" (2008). Colour-blind people can
-/// distinguish them.
+/// distinguish these colours.
 const COLORS: [Color; 6] = [
     Color::rgb(0, 114, 178),
     Color::rgb(213, 94, 0),

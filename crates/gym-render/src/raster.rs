@@ -477,7 +477,7 @@ mod tests {
         }
     }
 
-    /// A checksum of an image with all kinds of shapes. It must be the same on every CPU.
+    /// A checksum of an image with all kinds of shapes. The checksum must be the same on every CPU.
     #[test]
     fn the_bytes_are_the_same_everywhere() {
         let image = frame((64, 48), |canvas| {

@@ -164,8 +164,8 @@ impl Skia {
         }
     }
 
-    /// Blends a colour into the shape of the current key; `cover` computes its runs if they are not
-    /// cached.
+    /// Blends a colour into the shape of the current key; `cover` computes the runs if the cache
+    /// does not have them.
     fn draw(
         &mut self,
         frame: &mut Frame,

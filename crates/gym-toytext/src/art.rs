@@ -17,7 +17,8 @@ pub(crate) enum Facing {
     Up,
 }
 
-/// Draws a person in a coat and a woollen hat of one colour, 50 units tall, standing at `feet`.
+/// Draws a person, 50 units tall, who stands at `feet` in a coat and a woollen hat of colour
+/// `color`.
 pub(crate) fn person(canvas: &mut dyn Canvas, feet: Point, facing: Facing, color: Color) {
     let profile = matches!(facing, Facing::Left | Facing::Right);
     let side = if facing == Facing::Left { -1.0 } else { 1.0 };

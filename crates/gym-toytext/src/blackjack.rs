@@ -609,7 +609,8 @@ mod tests {
         }
     }
 
-    /// Returns the reward of sticking with a hand, against a dealer who draws no more cards.
+    /// Returns the reward of the action stick with the hand `player`, against a dealer who draws no
+    /// more cards.
     fn reward(config: Config, player: &[u8], dealer: &[u8]) -> f64 {
         let state = State {
             dealer: hand(dealer),

@@ -119,7 +119,7 @@ impl Task for CliffWalkingDynamics {
     const INFO: bool = true;
 
     fn new(config: Config) -> Result<Self> {
-        // the turn of each outcome relative to the action
+        // for each outcome, the number of quarter turns from the action to the outcome's direction
         let turns: &[usize] = if config.is_slippery { &[3, 0, 1] } else { &[0] };
         let probability = 1.0 / turns.len() as f64;
         let p = Table::build(CELLS, Action::ALL.len(), |cell, action, outcomes| {
@@ -227,7 +227,7 @@ impl Task for CliffWalkingDynamics {
             let [x, y] = at(cell);
             let light = (cell / COLUMNS + cell % COLUMNS).is_multiple_of(2);
             if is_cliff(cell) {
-                // the grass of the row above hangs over
+                // the grass of the row above reaches over the edge
                 rock(canvas, x, y, if light { GRASS } else { LIGHT_GRASS });
                 continue;
             }
@@ -321,7 +321,8 @@ impl Native for CliffWalkingDynamics {
         state.pack()
     }
 
-    /// Restores a state; its last action is unknown.
+    /// Restores a state. `cell` does not contain the last action, so any action stands in after the
+    /// first step.
     #[inline(always)]
     fn unpack(&self, cell: Cell, fresh: bool) -> State {
         State::unpack(cell, (!fresh).then_some(Action::Up))

@@ -149,7 +149,7 @@ impl Task for FrozenLakeDynamics {
             (None, Some(name)) => named_map(name)?,
             (None, None) => generate_random_map(8, 0.8, None)?,
         };
-        // a random map becomes part of the arguments, so that they describe this lake
+        // a random map becomes part of the arguments, so that the arguments describe this lake
         let config = Config {
             desc: config
                 .map_name
@@ -186,7 +186,8 @@ impl Task for FrozenLakeDynamics {
         }
         let [goal, hole, other] = reward_schedule;
         let fail_rate = (1.0 - success_rate) / 2.0;
-        // the turn of each outcome relative to the action, and its probability
+        // for each outcome, the number of quarter turns from the action to the outcome's direction,
+        // and the probability
         let turns: &[(usize, f64)] = if is_slippery {
             &[(3, fail_rate), (0, success_rate), (1, fail_rate)]
         } else {
@@ -241,7 +242,7 @@ impl Task for FrozenLakeDynamics {
         &self.config
     }
 
-    /// Besides `P`, it shows `desc`: the rows of the map, which do not follow a replaced table.
+    /// Returns `P` and `desc`, the rows of the map. A replaced table does not change `desc`.
     fn table(&self) -> Option<Json> {
         let mut table = self.p.to_json(&self.initial);
         table["desc"] = self.desc.to_vec().into();
@@ -504,7 +505,7 @@ fn has_path(board: &[Vec<u8>]) -> bool {
     let mut discovered = vec![false; size * size];
     let mut frontier = vec![(0, 0)];
     while let Some((row, col)) = frontier.pop() {
-        // stepping off the top or left wraps around and is out of range, too
+        // a step off the top or left wraps around to a large number, which is out of range too
         let on_ice = row < size && col < size && board[row][col] != b'H';
         if !on_ice || std::mem::replace(&mut discovered[row * size + col], true) {
             continue;
@@ -547,7 +548,8 @@ impl Native for FrozenLakeDynamics {
         state.pack()
     }
 
-    /// Restores a state; its last action is unknown.
+    /// Restores a state. `cell` does not contain the last action, so any action stands in after the
+    /// first step.
     #[inline(always)]
     fn unpack(&self, cell: Cell, fresh: bool) -> State {
         State::unpack(cell, (!fresh).then_some(Action::Left))

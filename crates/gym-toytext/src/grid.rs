@@ -57,7 +57,8 @@ impl<A: Copy> State<A> {
 
     /// Passes the entry of `info` to `visit`.
     pub(crate) fn info(&self, visit: &mut dyn FnMut(&str, Value)) {
-        // Gymnasium's reset returns an integer, as a vector's batched infos show
+        // Gymnasium's `reset` returns the probability as an integer, which decides the type of a
+        // vector's infos
         let probability = match self.last_action {
             None => Value::Int(1),
             Some(_) => Value::Float(self.probability),

@@ -191,8 +191,8 @@ impl Table {
         }
     }
 
-    /// Draws an outcome by Gymnasium's `categorical_sample`: the first at which the sum of
-    /// probabilities exceeds `random()`, or the first outcome if rounding keeps all sums below.
+    /// Draws an outcome by Gymnasium's `categorical_sample`: the first outcome at which the sum of
+    /// probabilities exceeds `random()`, or outcome 0 if rounding keeps all sums below `random()`.
     /// `None`, without a draw, if the state does not exist.
     #[inline(always)]
     pub(crate) fn sample(
@@ -227,7 +227,7 @@ struct Lottery {
 
 #[derive(Debug, PartialEq)]
 enum Rows {
-    /// Each row has a single outcome, so the draw decides nothing.
+    /// Each row has a single outcome, whatever the drawn number.
     Certain(Vec<Ticket>),
     Random(Vec<Row>),
     /// The outcomes of each row, in full. For a table with more outcomes in a row than [`Row`] can
@@ -240,7 +240,8 @@ enum Rows {
 struct Row {
     /// The partial sums of the probabilities; infinite after the last outcome.
     sums: [f64; MAX_OUTCOMES],
-    /// The outcomes; after the last one the first again, for a draw above all sums.
+    /// The outcomes, and after the last outcome the first one again, for a drawn number above all
+    /// sums.
     tickets: [Ticket; MAX_OUTCOMES + 1],
 }
 
@@ -409,7 +410,7 @@ pub(crate) struct Distribution {
     probabilities: Arc<[f64]>,
     /// The partial sums of the probabilities, rounded like `np.cumsum`.
     cumulative: Arc<[f64]>,
-    /// The state, if only one is possible: the draw then decides nothing.
+    /// The initial state if only one state is possible, whatever the drawn number.
     only: Option<usize>,
 }
 
@@ -442,7 +443,7 @@ impl Distribution {
             .collect();
         let mut possible = (0..probabilities.len()).filter(|&state| probabilities[state] > 0.0);
         let only = match (possible.next(), possible.next()) {
-            // with a probability of exactly 1, every draw gives this state
+            // with a probability of exactly 1, every drawn number selects this state
             (Some(state), None) if probabilities[state] == 1.0 => Some(state),
             _ => None,
         };
@@ -547,7 +548,7 @@ mod tests {
         }
     }
 
-    /// As few outcomes as a [`Row`] holds, and more.
+    /// Tests numbers of outcomes that a [`Row`] can hold, and a larger number.
     #[test]
     fn a_draw_above_all_sums_gives_the_first_outcome() {
         for n in [2, 3, 4, 9] {

@@ -57,7 +57,7 @@ gym_core::arguments! {
     }
 }
 
-/// Cell `(r, c)` is at `MAP[1 + r][1 + 2 * c]`; next to it, `|` is a wall and `:` is none.
+/// Cell `(r, c)` is at `MAP[1 + r][1 + 2 * c]`; next to the cell, `|` is a wall and `:` is no wall.
 const MAP: [&str; 7] = [
     "+---------+",
     "|R: | : :G|",
@@ -68,7 +68,7 @@ const MAP: [&str; 7] = [
     "+---------+",
 ];
 const SIZE: usize = 5;
-/// Row and column of the stands: red, green, yellow, blue.
+/// Row and column of the locations: red, green, yellow, blue.
 const STANDS: [(usize, usize); 4] = [(0, 0), (0, 4), (4, 0), (4, 3)];
 /// The passenger's position in the taxi.
 const IN_TAXI: usize = 4;
@@ -217,8 +217,8 @@ impl TaxiDynamics {
     }
 }
 
-/// Returns the state with another destination, if the passenger was driven from one cell to the
-/// next.
+/// Returns the state with another destination (Gymnasium's `fickle_passenger`); `None` if the step
+/// did not move the taxi with the passenger from one cell to the next.
 fn change_of_mind(before: usize, after: usize, rng: &mut impl Stream) -> Option<usize> {
     let (row, col, passenger, destination) = decode(before);
     let (next_row, next_col, next_passenger, _) = decode(after);
@@ -324,7 +324,7 @@ impl Task for TaxiDynamics {
     fn start(&self, _reset: &Reset, rng: &mut Generator) -> Result<State> {
         Ok(State {
             encoded: self.initial.sample(rng),
-            // drawn only if needed, because the stream continues from here
+            // drawn only if needed, because later draws continue from here
             fickle_step: self.config.fickle_passenger
                 && rng.random() < self.config.fickle_probability,
             last_action: None,
@@ -437,7 +437,7 @@ const WALL: Color = Color::rgb(150, 84, 66);
 const COAT: Color = Color::rgb(124, 86, 160);
 const YELLOW: Color = Color::rgb(248, 196, 50);
 const GREEN: Color = Color::rgb(84, 220, 110);
-/// The colours of the stands.
+/// The colours of the locations.
 const COLORS: [Color; 4] = [
     Color::rgb(214, 62, 62),
     Color::rgb(44, 150, 92),
@@ -488,7 +488,8 @@ fn ahead(heading: Action) -> Transform {
     }
 }
 
-/// Draws a taxi from above, pointing right; the sign on its roof is green while it is taken.
+/// Draws a taxi from above, pointing right; the sign on its roof is green while a passenger is
+/// inside.
 fn car(canvas: &mut dyn Canvas, taken: bool) {
     for [x, y] in [[-24.0, -21.0], [13.0, -21.0], [-24.0, 16.0], [13.0, 16.0]] {
         canvas.rect([x, y], [12.0, 5.0], INK);
@@ -708,7 +709,8 @@ mod tests {
         assert_eq!(cells(0, 1, Action::East), [(0, 1); 3]);
     }
 
-    /// Picks up at the red stand, waits, drives on; returns the destinations along the way.
+    /// Picks up the passenger at the red location, waits, and drives on; returns the destinations
+    /// along the way.
     fn destinations(config: Config, seed: u64) -> [usize; 4] {
         let taxi = taxi(config);
         let mut rng = Generator::from(seed);

@@ -87,7 +87,7 @@ fn older_versions_take_no_arguments() {
     }
 }
 
-/// The step counter has 16 bits. It stops below the number that means "no limit".
+/// The step counter has 16 bits, and stops below the number that means "no limit".
 #[test]
 fn episodes_without_a_limit_are_never_truncated() {
     let envs = builder("CliffWalking-v1").vector(3);

@@ -91,7 +91,7 @@ const NOTES: &[&str] = &[
     "return", "same_twice", "tolerance",
 ];
 
-/// Reads the notes. One that no recorder writes is an error, as a key that stands twice is.
+/// Reads the notes. A note that no recorder writes is an error, and a duplicate key is an error.
 fn notes<'de, D: Deserializer<'de>>(deserializer: D) -> std::result::Result<Kwargs, D::Error> {
     let notes = unique::object(deserializer)?;
     match notes.keys().find(|name| !NOTES.contains(&name.as_str())) {
@@ -100,8 +100,9 @@ fn notes<'de, D: Deserializer<'de>>(deserializer: D) -> std::result::Result<Kwar
     }
 }
 
-/// What a recording notes of its environment and what is compared: a name in [`Trace::about`], and
-/// the fact here, from the spaces of observations and actions and the spec, if there is one.
+/// A fact about the environment that a recording notes and the comparison checks: its name in
+/// [`Trace::about`], and a function that computes the fact from the observation space, the action
+/// space and the spec, if there is one.
 type Fact = (
     &'static str,
     fn(&[String; 2], Option<&EnvSpec>) -> Option<Json>,
@@ -138,7 +139,7 @@ pub struct VectorRequest {
     pub wrappers: Vec<WrapperSpec>,
 }
 
-/// One reset or one step, and the answer to it.
+/// One reset or one step, and the result.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 #[serde(
     deny_unknown_fields,
@@ -212,8 +213,8 @@ pub struct Event {
         skip_serializing_if = "Option::is_none"
     )]
     pub frame_masked: Option<Json>,
-    /// The checksum of the frame without images that Gymnasium loads from a file. It is read, and
-    /// not compared.
+    /// The checksum of the frame without images that Gymnasium loads from a file. The comparison
+    /// ignores the checksum.
     #[serde(
         default,
         deserialize_with = "unique::option",
@@ -240,7 +241,7 @@ pub struct Event {
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ResetRequest {
-    /// The seed, of any size, or a list of them; its digits are kept as they are written.
+    /// The seed, of any size, or a list of seeds. The digits are kept as written.
     seed: Option<Box<RawValue>>,
     /// The options.
     #[serde(default, deserialize_with = "options")]
@@ -480,8 +481,8 @@ impl Trace {
         notes.chain(recorded).chain(self.unused()).collect()
     }
 
-    /// The names of settings that no event depends on: a version of MuJoCo that the environment does
-    /// not take, and settings of pictures if no checksum of a picture is recorded.
+    /// The names of settings on which no event depends: a version of MuJoCo for an environment
+    /// without this argument, and settings of pictures if the trace has no checksum of a picture.
     fn unused(&self) -> impl Iterator<Item = &str> {
         let parts = self.parts();
         let has = |part: &str| parts.iter().any(|(name, _)| *name == part);
@@ -515,7 +516,7 @@ impl Trace {
     fn parts(&self) -> Vec<Part> {
         let mut recorded = PARTS.to_vec();
         recorded.retain(|(_, part)| self.events.iter().any(|event| part(event).is_some()));
-        // where a masked checksum is recorded, the whole picture's is not compared
+        // if a masked checksum is recorded, the checksum of the whole picture is not compared
         for (masked, plain) in [
             ("frame_masked", "frame"),
             ("observation_masked", "observation_crc32"),
@@ -691,8 +692,8 @@ fn remove_clock(info: &mut Json) {
     }
 }
 
-/// The place in two pieces of JSON data where they first differ, and both values there: `[3]: 1 for
-/// 2`. Numbers are compared to the last bit; `1` and `1.0` are the same number, and `0.0` and
+/// Describes the first difference of two JSON values, by its place and both values there: `[3]: 1
+/// for 2`. Numbers are compared to the last bit; `1` and `1.0` are the same number, and `0.0` and
 /// `-0.0` are not.
 fn difference(a: &Json, b: &Json) -> Option<String> {
     let inside = |place: String, a: &Json, b: &Json| {
@@ -750,7 +751,7 @@ fn same_number(x: &Number, y: &Number) -> bool {
     }
 }
 
-/// Whether a real number equals an integer exactly. `-0.0` equals none.
+/// Whether a real number equals an integer exactly. `-0.0` equals no integer.
 fn is_integer(x: f64, i: i128) -> bool {
     x.to_bits() == (i as f64).to_bits() && x as i128 == i
 }
@@ -819,7 +820,7 @@ mod tests {
                 difference.starts_with(&format!("event 1, {part}")),
                 "{difference}"
             );
-            // a part that one event leaves out is not compared
+            // the comparison ignores a field that one of the events lacks
             let mut lacking = step.clone();
             lacking.as_object_mut().unwrap().remove(part);
             assert!(
@@ -905,7 +906,7 @@ mod tests {
         let mut other = head.clone();
         other["observation_space"] = json!("Box([0. 1.], [1. 2.])");
         assert_eq!(recorded.first_difference(&read(&other)), None);
-        // the notes stay in what is written
+        // writing keeps the notes
         assert_eq!(serde_json::to_value(&recorded).unwrap()["numpy"], "2.4.6");
         assert_eq!(
             trace(json!([{ "step": 0 }])).compared(),
@@ -999,7 +1000,7 @@ mod tests {
         assert_eq!(info, expected);
     }
 
-    /// A list has a seed, or none, for each sub-environment.
+    /// A list has a seed or `null` for each sub-environment.
     #[test]
     fn seeds_keep_their_places() {
         let reset = |json: Json| {

@@ -88,7 +88,8 @@ pub(crate) fn space(space: &Space) -> Json {
     description
 }
 
-/// Returns the numbers of an array, if there are not too many. Numbers that JSON lacks become text.
+/// Returns the numbers of an array; `None` if there are too many to show. Infinities and NaN become
+/// text.
 fn numbers(array: &Array) -> Option<Vec<Json>> {
     let number = |x: f64| {
         if x.is_finite() {

@@ -17,11 +17,11 @@ use crate::episode::Episode;
 pub(crate) struct Parameters {
     /// The number of policies in a generation.
     population: usize,
-    /// The share of them that makes the next generation.
+    /// The share of the policies from which the next generation is made.
     elite: f64,
     /// The standard deviation of the first generation's weights.
     spread: f64,
-    /// The number added to the variance of the first generation; it decreases to 0 within
+    /// The number added to the variance of the first generation; the noise decreases to 0 within
     /// [`NOISY`] generations.
     noise: f64,
     /// Episodes that each policy plays; its mean return counts.
@@ -45,7 +45,7 @@ pub(crate) struct CrossEntropy {
     mean: Vec<f64>,
     deviation: Vec<f64>,
     generation: u32,
-    /// The best policy of the last generation, until it is tried again.
+    /// The best policy of the last generation, until its evaluation in this generation.
     best: Option<Vec<f64>>,
     /// The policies of this generation that were tried, with their mean returns.
     tried: Vec<(f64, Vec<f64>)>,
@@ -242,7 +242,8 @@ impl CrossEntropy {
         Ok(ended)
     }
 
-    /// Sets the mean to that of the best policies, and the variance to theirs with noise added.
+    /// Sets the mean and the variance to those of the best policies, and adds noise to the
+    /// variance.
     fn next_generation(&mut self) {
         self.tried.sort_by(|(a, _), (b, _)| b.total_cmp(a));
         let Parameters { elite, noise, .. } = self.parameters;
@@ -278,7 +279,8 @@ mod tests {
         CrossEntropy::new(env, Seed::from(seed), parameters).unwrap()
     }
 
-    /// With the page's parameters no search is stuck. (The page's own test tries 200 seeds.)
+    /// With the page's parameters, every search learns to balance. (The page's own test tries 200
+    /// seeds.)
     #[test]
     fn linear_policies_learn_to_balance() {
         const POPULATION: usize = 40;
@@ -300,7 +302,8 @@ mod tests {
         }
     }
 
-    /// The search keeps a variance although all policies are alike, and its noise decreases.
+    /// Although all policies are equal, the variance of the search stays positive, and the noise
+    /// decreases.
     #[test]
     fn noise_keeps_the_variance_of_equal_policies() {
         let parameters =
@@ -321,7 +324,7 @@ mod tests {
         assert!(learner.spread() >= REMAINING * square.sqrt());
     }
 
-    /// The best policy of a generation is the first of the next.
+    /// The best policy of a generation is the first policy of the next generation.
     #[test]
     fn the_best_policy_is_tried_again() {
         let parameters =

@@ -25,7 +25,7 @@ const MARKS: usize = 40;
 pub(crate) enum By {
     /// A random action.
     Random,
-    /// The good policy.
+    /// The action of the known policy.
     Good,
     /// The caller.
     Action(Value),
@@ -38,10 +38,10 @@ pub(crate) struct Player {
     kwargs: Kwargs,
     seed: Option<Seed>,
     sampler: Option<Sampler<Value>>,
-    /// The good policy's state in this episode, once it has acted.
+    /// The state of the known policy in this episode; `None` before its first action.
     controller: Option<Controller>,
     /// The actions of the episode, and the sum of rewards after each. The page has gone back from
-    /// those after `position`.
+    /// the actions after `position`.
     actions: Vec<Value>,
     returns: Vec<f64>,
     position: usize,
@@ -54,7 +54,7 @@ pub(crate) struct Player {
 }
 
 impl Player {
-    /// Makes the environment. If `fit` is given, its pictures fit into a square of that size.
+    /// Makes the environment. If `fit` is given, the pictures fit into a square of the size `fit`.
     pub(crate) fn new(id: &str, kwargs: &Kwargs, fit: Option<u32>) -> Result<Self> {
         let builder = gym::builder(id)
             .args(kwargs.clone())
@@ -157,7 +157,7 @@ impl Player {
         Ok(())
     }
 
-    /// Returns the action of the good policy.
+    /// Returns the action of the known policy.
     fn good(&mut self) -> Result<Value> {
         let missing = || {
             Error::custom(format!(

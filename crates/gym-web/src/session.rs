@@ -18,7 +18,7 @@ pub struct Session {
     learners: BTreeMap<u32, Learner>,
 }
 
-/// A request. `env` is the number of an open environment, `learner` that of an open learner.
+/// A request. `env` is the number of an open environment, `learner` the number of an open learner.
 #[derive(Deserialize)]
 #[serde(tag = "do", rename_all = "snake_case", deny_unknown_fields)]
 enum Request {
@@ -57,7 +57,8 @@ enum Request {
     Sight { env: u32 },
     /// Lists the actions of the episode.
     Actions { env: u32 },
-    /// Attaches the episode as a trace. It is text, as JavaScript would change digits of its numbers.
+    /// Attaches the episode as a trace. The trace is text, because JavaScript would change digits
+    /// of the numbers.
     Trace { env: u32 },
     /// Attaches the episode as a GIF.
     Gif { env: u32, frames: usize },

@@ -18,7 +18,7 @@ pub type AddRenderObservation<E = BoxEnv> = Observing<E, AddRender>;
 pub struct AddRender {
     config: Config,
     shape: [usize; 3],
-    /// Whether the inner observation is a dict; if so, the frame is added to it.
+    /// Whether the inner observation is a dict, to which the wrapper adds the frame.
     extends_dict: bool,
 }
 

@@ -20,10 +20,10 @@ pub(crate) enum Affine {
 }
 
 impl Affine {
-    /// The map from `inner` to the box between `min` and `max`, and that box.
+    /// Returns the map from `inner` to the box between `min` and `max`, and the box.
     ///
-    /// Infinite bounds must stay infinite; an element with one infinite bound is shifted so that
-    /// its finite bound fits.
+    /// Infinite bounds must stay infinite. The map shifts an element with one infinite bound, from
+    /// its finite bound to the new finite bound.
     pub(crate) fn new(inner: &BoxSpace, min: &Bound, max: &Bound) -> Result<(Self, BoxSpace)> {
         let (shape, dtype) = (inner.shape(), inner.dtype());
         if !dtype.is_float() {

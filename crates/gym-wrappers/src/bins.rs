@@ -89,7 +89,7 @@ impl Binning {
 #[derive(Clone, Debug)]
 pub(crate) struct Grid {
     inner: BoxSpace,
-    /// For each element, the edges of its bins: one more than there are bins.
+    /// For each element, the edges of its bins: n + 1 edges for n bins.
     edges: Vec<Vec<f64>>,
 }
 
@@ -144,7 +144,7 @@ impl Grid {
         Ok(Discrete::new(n)?.into())
     }
 
-    /// The box that is cut.
+    /// The box that is divided into bins.
     pub(crate) fn inner(&self) -> &BoxSpace {
         &self.inner
     }
@@ -161,8 +161,8 @@ impl Grid {
             self.inner.low().data().get_f64(i),
             self.inner.high().data().get_f64(i),
         );
-        // Gymnasium lowers the bound by this margin; in float32, rounding removes it unless the bound
-        // is small
+        // Gymnasium lowers the bound by this margin; in float32, rounding removes the margin unless
+        // the bound is small
         const MARGIN: f64 = 1e-8;
         let high = match self.inner.dtype() {
             DType::F32 => f64::from(high as f32 - MARGIN as f32),

@@ -27,7 +27,7 @@ impl ActionMap for Clip {
     type Action<A: Element> = A;
     const TAKES_BATCHES: bool = true;
 
-    /// Refuses boxes of unsigned integers: they cannot be unbounded.
+    /// Refuses boxes of unsigned integers, which cannot be unbounded.
     fn new(_: &Config, inner: &Space) -> Result<(Self, Space)> {
         let bounds = expect_box::<Config>("action", inner)?;
         let (low, high) = (f64::NEG_INFINITY, f64::INFINITY);

@@ -3,7 +3,8 @@
 #[cfg(not(all(target_family = "wasm", target_os = "unknown")))]
 pub(crate) use std::time::Instant;
 
-/// The clock on WebAssembly without an operating system, which has none: all times are zero.
+/// The clock for WebAssembly without an operating system, where no clock exists: all times are
+/// zero.
 #[cfg(all(target_family = "wasm", target_os = "unknown"))]
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Instant;

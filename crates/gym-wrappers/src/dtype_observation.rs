@@ -77,7 +77,7 @@ impl ObservationMap for Cast {
     }
 }
 
-/// A bound cast like the observations: if real numbers become integers, it is truncated.
+/// A bound cast like the observations: real bounds of integer observations are truncated.
 fn cast_bound(bound: &Array, dtype: DType) -> Result<Array> {
     if dtype.is_float() || !bound.dtype().is_float() {
         return Ok(bound.clone());

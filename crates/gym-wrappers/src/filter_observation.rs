@@ -156,7 +156,8 @@ pub(crate) fn dict_like(space: &DictSpace, members: Vec<(String, Space)>) -> Res
     }
 }
 
-/// The entries of the dict in `out`. If `out` is not a dict with these keys, it is replaced by one.
+/// Returns the entries of the dict in `out`. First replaces `out` if `out` is not a dict with the
+/// keys `keys`.
 pub(crate) fn entries<'a>(
     keys: impl ExactSizeIterator<Item = &'a String> + Clone,
     out: &'a mut Value,

@@ -229,9 +229,9 @@ fn check_share<C: WrapperConfig>(name: &str, share: f64) -> Result<()> {
 
 /// White noise for every channel of every pixel of a frame.
 fn white(rng: &mut Generator, frame: &Frame, is_grayscale: bool) -> Vec<u8> {
-    /// The largest red, green and blue of gray noise, whose sum is the gray value: `255 * [0.2989,
-    /// 0.5870, 0.1140]` truncated, minus one because numpy never draws `high`
-    /// (`wrappers/rendering.py`).
+    /// The largest red, green and blue parts of a gray value, whose sum is the gray value: `255 *
+    /// [0.2989, 0.5870, 0.1140]`, truncated, minus one because numpy's `integers` excludes `high`
+    /// (Gymnasium's `wrappers/rendering.py`).
     const GRAYSCALE_HIGHS: [u8; 3] = [75, 148, 28];
     /// The largest value of coloured noise: Gymnasium draws below 255.
     const HIGH: u8 = 254;

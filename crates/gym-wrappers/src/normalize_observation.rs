@@ -26,8 +26,8 @@ pub type NormalizeObservation<T = BoxEnv> = Observing<T, ObservationNormalizer>;
 pub struct ObservationNormalizer {
     config: Config,
     normalizer: Normalizer,
-    /// The last returned observation of each sub-environment. A reset with a mask returns these for
-    /// the sub-environments that it leaves out.
+    /// The last returned observation of each sub-environment. A reset with a mask returns these
+    /// observations for the excluded sub-environments.
     shown: Vec<f32>,
 }
 

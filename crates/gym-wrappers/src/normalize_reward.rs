@@ -203,7 +203,7 @@ impl<V: VectorEnv> VectorWrapper for NormalizeReward<V> {
     fn on_step(&mut self, actions: &Value, columns: &mut Columns) -> Result<()> {
         columns.begin();
         let result = self.inner.step_into(actions, columns);
-        // a step that only reset the sub-environment does not count
+        // skip sub-environments that the step only reset
         let stepped = |index: usize| columns.progress.get(index) == Some(&Progress::Stepped);
         for (index, discounted) in self
             .returns

@@ -105,7 +105,7 @@ impl Running {
 }
 
 impl Record {
-    /// Allocates for `n` environments and the episodes, so that no step does.
+    /// Allocates memory for `n` environments and the buffered episodes, so that no step allocates.
     fn reserve(&mut self, n: usize, buffer_length: usize) -> Result<()> {
         if self.running.len() != n {
             self.running.resize_with(n, || Running::new(None));
@@ -118,7 +118,7 @@ impl Record {
         })
     }
 
-    /// Counts a step of an environment, and keeps the episode if it has ended.
+    /// Counts a step of an environment, and stores the statistics of the episode at its end.
     fn step(&mut self, index: usize, reward: f64, done: bool, buffer_length: usize) {
         let Some(running) = self.running.get_mut(index) else {
             return;

@@ -12,7 +12,7 @@ pub(crate) struct Ring<O> {
 }
 
 impl<O: Element> Ring<O> {
-    /// A ring of `n` equal observations; `None` if they do not fit in memory.
+    /// Makes a ring of `n` copies of `item`; `None` if the copies do not fit in memory.
     pub(crate) fn new(n: usize, item: &O) -> Option<Self> {
         let mut items = Vec::new();
         items.try_reserve_exact(n).ok()?;

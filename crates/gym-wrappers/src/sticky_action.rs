@@ -136,7 +136,7 @@ impl<E: Env> StickyAction<E> {
         })
     }
 
-    /// Whether the next step repeats the last action, and the state after it.
+    /// Returns whether the next step repeats the last action, and the state after that step.
     fn draw(&mut self) -> Result<(bool, Stickiness)> {
         let mut state = self.state;
         if !state.has_last {

@@ -110,7 +110,8 @@ pub(crate) fn not_an_array(value: &Value) -> Error {
     Error::Contract(format!("{value} should be an array of the space's type"))
 }
 
-/// The generator of the inner environment, or an error if it has none.
+/// Returns the generator of the inner environment; an error if the inner environment has no
+/// generator.
 pub(crate) fn lend<C: WrapperConfig>(env: &mut impl Env) -> Result<&mut Generator> {
     env.generator().ok_or_else(|| {
         let name = C::NAME;

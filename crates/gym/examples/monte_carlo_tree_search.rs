@@ -5,8 +5,8 @@
 use gym::prelude::*;
 use gym::{Error, Generator};
 
-/// The results of an action, and in `children` those of each action after it. The same actions may
-/// lead to different states; a node is the mean over them.
+/// A node of the search tree: the results of an action, and in `children` the results of each next
+/// action. The same actions may lead to different states; a node has the mean over the states.
 #[derive(Default)]
 struct Node {
     visits: f64,
@@ -26,12 +26,13 @@ struct Search {
 }
 
 impl Search {
-    /// The action that was tried most, and so is held for the best.
+    /// Chooses the action with the most visits.
     fn decide(&mut self, env: &BoxEnv) -> Result<Value> {
         let mut root = Node::default();
         for _ in 0..self.futures {
             let mut future = env.clone();
-            // each future has its own random numbers, so that the planner cannot know them
+            // each simulated future has its own random numbers, so that the planner cannot know the
+            // numbers of the real episode
             if let Some(rng) = future.generator() {
                 *rng = Generator::from(self.rng.integers(0, i64::MAX) as u64);
             }
@@ -42,7 +43,8 @@ impl Search {
         Ok(action(most.map_or(0, |(index, _)| index)))
     }
 
-    /// Follows the tree to its edge, lets it grow there, and plays on at random. Gives the return.
+    /// Follows the tree to a leaf, expands the leaf, plays random actions from there, and returns
+    /// the return.
     fn play(&mut self, node: &mut Node, env: &mut BoxEnv, steps: usize) -> Result<f64> {
         if steps == 0 {
             return Ok(0.0);

@@ -15,7 +15,7 @@ const STEPS: usize = 128;
 const EPOCHS: usize = 4;
 const MINIBATCH: usize = 256;
 const MOST_STEPS: usize = 500_000;
-/// It decreases to 0 over `MOST_STEPS`.
+/// The initial learning rate, which decreases to 0 over `MOST_STEPS`.
 const LEARNING_RATE: f64 = 1e-3;
 const DISCOUNT: f64 = 0.99;
 /// Lambda of generalised advantage estimation (Schulman et al., 2015).
@@ -39,7 +39,8 @@ struct Network {
 }
 
 impl Network {
-    /// Random weights of variance 2 / inputs; those of the last layer are scaled by `last_scale`.
+    /// Draws random weights of variance 2 / inputs, and scales the weights of the last layer by
+    /// `last_scale`.
     fn new(sizes: &[usize], last_scale: f64, rng: &mut Generator) -> Self {
         let mut parameters = Vec::new();
         for (layer, pair) in sizes.windows(2).enumerate() {
@@ -150,8 +151,8 @@ struct Transition {
     log_probability: f64,
     value: f64,
     advantage: f64,
-    /// It leads from the end of an episode to the start of the next, so there is nothing to learn
-    /// from it.
+    /// The step leads from the end of an episode to the start of the next, so the agent does not
+    /// learn from the step.
     is_reset: bool,
 }
 
@@ -297,7 +298,7 @@ fn train(seed: u64) -> gym::Result<(usize, f64)> {
             }
         }
 
-        // some epochs over all of it, in minibatches
+        // several epochs over the rollout, in minibatches
         let mut batch: Vec<Transition> = rollout
             .into_iter()
             .flatten()
@@ -353,7 +354,7 @@ fn main() -> gym::Result<()> {
 mod tests {
     use super::*;
 
-    /// The gradient of a sum of the outputs, beside differences.
+    /// Compares the gradient of a weighted sum of the outputs with finite differences.
     #[test]
     fn backward_is_the_derivative_of_forward() {
         let mut network = Network::new(&[3, 5, 2], 1.0, &mut Generator::from(0));

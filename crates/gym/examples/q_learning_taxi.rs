@@ -20,7 +20,7 @@ fn greedy(values: &[f64; ACTIONS]) -> usize {
         .unwrap_or(0)
 }
 
-/// Plays one episode and learns from it unless `exploration` is 0. Returns its return.
+/// Plays one episode, learns from its steps unless `exploration` is 0, and returns the return.
 fn episode(
     env: &mut impl Env<Observation = usize, Action = Action>,
     q: &mut Table,
@@ -39,7 +39,8 @@ fn episode(
         let step = env.step(&Action::ALL[action])?;
         total += step.reward;
         if exploration > 0.0 {
-            // after a truncation the next state keeps its value; after a termination it has none
+            // after a termination, the value of the next state is 0; after a truncation, the value
+            // is bootstrapped
             let next = if step.terminated {
                 0.0
             } else {

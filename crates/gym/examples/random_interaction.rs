@@ -6,7 +6,8 @@ use gym::prelude::*;
 use gym::render::{Plot, RenderMode, Rendered, Video};
 
 /// Plays `episodes` episodes of random actions, gives each rendered frame to `recorder`, and
-/// returns return and length of each episode. It accepts typed environments and those from `make`.
+/// returns the return and the length of each episode. `env` may be a typed environment or an
+/// environment from `make`.
 fn random_interaction<E: Env>(
     env: &mut E,
     episodes: u64,

@@ -26,7 +26,7 @@ fn arguments_are_those_of_the_id() {
         let id = registration.id();
         let mut env = gym::make(id).unwrap();
         let Some(inspect) = env.inspect() else {
-            // GymV26Environment runs in a worker process, and one environment is made for tests
+            // GymV26Environment runs in a worker process, and one environment exists only for tests
             continue;
         };
         seen += 1;
@@ -49,7 +49,8 @@ fn arguments_are_those_of_the_id() {
     assert!(seen >= 40, "{seen} environments can be inspected");
 }
 
-/// An environment that is given the state and the generator of another one steps as the other does.
+/// An environment with the state and the generator of another environment steps as the other
+/// environment.
 #[test]
 fn states_can_be_set() {
     let tasks = ["Hopper-v5", "Ant-v5", "Reacher-v5"];

@@ -264,8 +264,8 @@ fn async_vectors_of_box2d_equal_native_ones() {
     }
 }
 
-/// If one environment refuses its action, the other environments step as by hand, and no step
-/// remains half done.
+/// If one environment refuses its action, the other environments step as separate environments do,
+/// and no step remains incomplete.
 #[test]
 fn a_refused_action_leaves_no_step_begun() {
     let spec = spec("LunarLanderContinuous-v3", json!({}));

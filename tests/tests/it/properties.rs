@@ -178,7 +178,7 @@ proptest! {
     fn snapshots_survive_json(index: prop::sample::Index, seed: u64, steps in 0usize..30) {
         let all = registry::self_contained();
         let id = index.get(&all).id();
-        // some bounds are known to be too narrow, which does not matter here
+        // no checker, because some observation spaces have bounds that are known to be too narrow
         let make = || gym::builder(id).disable_env_checker(true).build();
         let mut env = make().unwrap();
         let mut actions = env.action_sampler(seed).unwrap();

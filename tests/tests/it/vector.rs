@@ -24,7 +24,8 @@ fn short(id: &str, n: usize) -> VectorBuilder {
     builder(id).max_episode_steps(9).vector(n)
 }
 
-/// Returns every id except those of the second engine, which look the same to a vector.
+/// Returns every id except the ids of the second engine, rapier, whose vectors behave in the same
+/// way.
 fn ids() -> Vec<String> {
     let ids = registry::self_contained()
         .into_iter()
@@ -224,8 +225,8 @@ fn async_is_sync_for_any_number_of_threads() {
     }
 }
 
-/// An environment that counts its steps; it refuses action 1, panics at action 2 and takes long for
-/// action 3. An episode ends at the 10th step.
+/// An environment that counts its steps. Action 1 is an error, action 2 panics, and action 3 takes
+/// long. An episode ends at the 10th step.
 #[derive(Clone, Debug, Default)]
 struct Fragile {
     steps: i64,

@@ -227,7 +227,7 @@ fn a_snapshot_of_a_new_vector_needs_a_reset() {
     }
 }
 
-/// A snapshot that no native vector can produce is refused and changes nothing.
+/// Restoring a snapshot that no native vector can produce is an error and has no effect.
 #[test]
 fn flags_and_counts_that_cannot_be_are_refused() {
     for (autoreset, field, value) in [
@@ -281,7 +281,7 @@ fn first_number(json: &mut Json) -> Option<&mut Json> {
     }
 }
 
-/// Steps are counted up to a number above every limit, and no further.
+/// The step count stops at a number above every limit.
 #[test]
 fn an_episode_without_a_limit_goes_on_for_ever() {
     let spec = EnvSpec {
@@ -328,7 +328,7 @@ fn a_closed_vector_stays_closed() {
         envs.reset(0).unwrap();
         let before = open.snapshot().unwrap();
         envs.close();
-        // changing one of its environments does not reopen it
+        // changing an environment of a closed vector does not reopen the vector
         let _ = envs.visit_envs(&mut |_, env| {
             if let Some(env) = env.downcast_mut::<gym::BoxEnv>() {
                 let _ = gym::EnvExt::reset(env, 0);
@@ -381,7 +381,7 @@ impl Env for Lengths {
     }
 }
 
-/// A column of infos has rows of one shape; an info of another shape is missing from it.
+/// A column of infos has rows of one shape. An info of another shape is missing from the column.
 #[test]
 fn infos_of_another_shape_are_missing() {
     let mut envs = SyncVectorEnv::new([2, 3, 2, 1].map(Lengths)).unwrap();

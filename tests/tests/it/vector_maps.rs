@@ -108,7 +108,7 @@ fn every_map_serves_vectors() {
     let both = registry::wrappers()
         .into_iter()
         .filter(|wrapper| wrapper.wraps_vectors());
-    // gym-minigrid tests its own
+    // the tests of gym-minigrid cover these wrappers
     let of_grids = [
         "DictObservationSpaceWrapper",
         "FlatObsWrapper",

@@ -265,8 +265,8 @@ fn every_wrapper_is_among_them() {
         .map(|wrapper| wrapper.name)
         .collect();
     let lacking: Vec<_> = registered.difference(&here).collect();
-    // these need other observations than the spy's: `vector_maps.rs` tests them, and gym-minigrid
-    // its own
+    // these wrappers need other observations than the spy's: `vector_maps.rs` and the tests of
+    // gym-minigrid cover these wrappers
     assert_eq!(
         lacking,
         [
@@ -364,7 +364,7 @@ fn every_method_reaches_the_vector_within() {
         if acts {
             reached.extend(["action_space", "single_action_space"].map(str::to_owned));
         }
-        // a wrapper without a spec does not ask for the inner one
+        // a wrapper without a spec does not ask for the inner spec
         reached.insert("spec".into());
         // `layer` uses these to find the inner vector
         reached.extend(["within", "within_mut"].map(str::to_owned));
@@ -421,7 +421,8 @@ impl VectorEnv for HalfWay {
     }
 }
 
-/// If one sub-environment fails, the steps of the others are kept; a refused step is not counted.
+/// If one sub-environment fails, the other sub-environments keep their steps; a refused step is not
+/// counted.
 #[test]
 fn an_error_of_one_does_not_hide_the_step_of_the_others() {
     let actions = Value::Array(gym::Array::from([0.0f32, 0.0]).reshape([2, 1]).unwrap());
@@ -483,8 +484,8 @@ fn an_error_of_one_does_not_hide_the_step_of_the_others() {
     );
 }
 
-/// A third-party wrapper has no spec until it provides one; if it is registered, the spec rebuilds
-/// it.
+/// A third-party wrapper has no spec unless it implements `spec`. If the wrapper is registered, its
+/// spec rebuilds the wrapper.
 #[test]
 fn a_wrapper_that_leaves_out_its_spec_has_none() {
     let envs = gym::make_vec("CartPole-v1", 2, None).unwrap();

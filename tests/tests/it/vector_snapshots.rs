@@ -34,7 +34,7 @@ fn spec(id: &str, kind: VectorKind, autoreset: Autoreset, wrappers: &Json) -> Ve
     })
 }
 
-/// What a caller sees after a call: columns, and infos without wall-clock times.
+/// The results of a call: columns, and infos without wall-clock times.
 type Seen = (Columns, Info);
 
 fn seen(envs: &dyn VectorEnv, columns: &Columns) -> Seen {
@@ -56,8 +56,8 @@ fn seen(envs: &dyn VectorEnv, columns: &Columns) -> Seen {
     (columns, infos)
 }
 
-/// Takes random steps. Resets by mask the environments whose episodes ended; in other autoreset
-/// modes, sometimes resets one.
+/// Takes random steps. With disabled autoreset, resets by mask the environments whose episodes
+/// ended; in other autoreset modes, sometimes resets one environment.
 fn play(
     envs: &mut dyn VectorEnv,
     columns: &mut Columns,
@@ -319,7 +319,7 @@ fn another_process_continues() {
     assert_eq!(seen, expected);
 }
 
-/// Returns copies of `json`, in each of which one string or number is damaged.
+/// Returns copies of `json`; in each copy, one string or number is damaged.
 fn spoilt(json: &Json) -> Vec<Json> {
     let mut all = Vec::new();
     match json {
@@ -417,8 +417,8 @@ fn a_refused_snapshot_changes_nothing() {
                 refused += 1;
                 assert_eq!(envs.snapshot().unwrap(), now, "{spoilt}");
             } else {
-                // the state is valid, such as the state before the first reset: continue, then go
-                // back
+                // the damaged state may still be valid, such as the state before the first reset:
+                // continue, then restore the original
                 for _ in 0..3 {
                     let _ = envs.step_into(&actions.clone().sample(), &mut columns);
                 }
@@ -463,8 +463,8 @@ fn statistics_of_fewer_environments_are_refused() {
     }
 }
 
-/// A due reset belongs to the vector: restoring the environments' own snapshots loses it, restoring
-/// the vector's snapshot keeps it.
+/// A due reset belongs to the vector: restoring the environments' own snapshots loses the due
+/// reset, and restoring the vector's snapshot keeps it.
 #[test]
 fn a_reset_that_is_due_is_part_of_the_state() {
     for kind in KINDS {
@@ -535,8 +535,8 @@ fn what_cannot_be_stored_says_so() {
     assert_eq!(pool.metadata().render_fps, 50, "while one is away");
 }
 
-/// The statistics of a training are moved to the evaluation of one environment, where they are
-/// frozen.
+/// The statistics of a training vector can be copied to an evaluation environment, which does not
+/// update them.
 #[test]
 fn statistics_are_reached_and_frozen() {
     let wrappers = json!([{"name": "NormalizeObservation"}, {"name": "RecordEpisodeStatistics"}]);
@@ -603,7 +603,7 @@ fn statistics_are_reached_and_frozen() {
     assert!(one.layer::<SyncVectorEnv<BoxEnv>>().is_some());
 }
 
-/// What the vector stores about a sub-environment, such as a due reset, is not part of the
+/// The vector's data about a sub-environment, such as a due reset, is not part of the
 /// sub-environment's own snapshot.
 #[test]
 fn snapshots_put_back_one_by_one_are_an_error_until_a_reset() {
@@ -642,7 +642,7 @@ fn snapshots_put_back_one_by_one_are_an_error_until_a_reset() {
             "{error}"
         );
 
-        // neither a reset of the other one nor a snapshot of the vector hides the error
+        // neither a reset of the other sub-environment nor a snapshot of the vector hides the error
         envs.reset_into(&VectorReset::default().mask([true, false]), &mut columns)
             .unwrap();
         let stored = stored(&*envs);

@@ -16,7 +16,7 @@ const IDS: [&str; 6] = [
     "Taxi-v4",
 ];
 
-/// Wraps a vector in the wrapper number `which`, if that supports the vector.
+/// Wraps a vector in the wrapper number `which`, if the wrapper supports the vector.
 fn wrap(envs: Box<dyn VectorEnv>, which: u32, x: f64) -> Result<Box<dyn VectorEnv>> {
     Ok(match which {
         0 => Box::new(RecordEpisodeStatistics::with_config(
@@ -151,7 +151,7 @@ proptest! {
         let mut envs = vector.build().unwrap();
         let (mut count, mut functions) = (0, false);
         for (which, x) in around {
-            // a wrapper that refuses a vector consumes it
+            // a wrapper that refuses a vector drops the vector
             let again = |envs: &dyn VectorEnv| envs.spec().map(|spec| spec.make().unwrap());
             if functions { break }
             let other = again(&*envs).unwrap();
@@ -274,7 +274,7 @@ fn a_reset_by_mask_leaves_the_other_rows() {
         };
         let before = rows(&columns);
         for _ in 0..2 {
-            // also into columns that did not contain the rows before
+            // the same with columns that did not contain the rows before
             let mut columns = gym::vector::Columns::default();
             envs.reset_into(
                 &VectorReset::default().mask([true, false, false]),
@@ -286,7 +286,8 @@ fn a_reset_by_mask_leaves_the_other_rows() {
     }
 }
 
-/// An autoreset does not count as a step, even if a reset by mask excluded a due reset.
+/// An autoreset does not count as a step, even if a reset by mask excluded the environment that is
+/// due for a reset.
 #[test]
 fn a_due_reset_is_not_counted_as_a_step() {
     for kind in [VectorKind::Sync, VectorKind::Async, VectorKind::Native] {
@@ -448,7 +449,7 @@ fn every_kind_takes_the_same_forms_of_actions() {
             let answers = [VectorKind::Sync, VectorKind::Native].map(|kind| {
                 let mut envs = make_vec(id, 2, kind).unwrap();
                 let mut columns = envs.reset(0).unwrap();
-                // twice: the cast has a buffer of its own
+                // two steps, because the second step reuses the buffer of the cast
                 let first = envs.step_into(&actions, &mut columns);
                 first
                     .and_then(|()| envs.step_into(&actions, &mut columns))
@@ -475,7 +476,7 @@ fn a_smaller_buffer_keeps_the_last_episodes() {
         envs.step_into(&actions, &mut columns).unwrap();
     }
     assert_eq!((envs.episode_count(), envs.episodes().len()), (20, 20));
-    // (a snapshot contains no seconds)
+    // without seconds, which a snapshot does not contain
     let told = |episode: &EpisodeStatistics| (episode.episode_return, episode.length);
     let last: Vec<_> = envs.episodes().skip(15).map(told).collect();
     let config = record_episode_statistics::Config {

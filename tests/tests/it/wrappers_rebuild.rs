@@ -176,7 +176,7 @@ fn stacks_continue_from_snapshots_and_clones() {
         let answers = steps(&mut env, 60);
         assert_eq!(steps(&mut restored, 60), answers, "{env}");
         assert_eq!(steps(&mut clone, 60), answers, "{env}");
-        // whatever the other did before: its buffers may be rotated, its episode over
+        // the state before the restore does not matter, such as rotated buffers or an ended episode
         for used in 0..14 {
             let mut restored = wrap(id, &wrappers);
             restored.reset(6).unwrap();
@@ -296,8 +296,8 @@ fn time_goes_on_beyond_its_limit() {
     assert_eq!(times, expected);
 }
 
-/// Both ends of the range of durations occur and nothing beyond: an action sticks for the drawn
-/// number of steps.
+/// An action sticks for the drawn number of steps. The smallest and the largest duration of the
+/// range occur, and no other durations.
 #[test]
 fn an_action_sticks_for_each_number_of_steps_of_its_range() {
     let wrappers = json!([
@@ -609,8 +609,8 @@ fn base((id, order, check, limit, mode): (u8, bool, bool, Option<u32>, u8)) -> B
     }
 }
 
-/// Adds a wrapper, or returns an error if it does not support the environment. Also returns whether
-/// the wrapper has a stored form.
+/// Adds a wrapper. Returns an error if the wrapper does not support the environment. Also returns
+/// whether the wrapper has a stored form.
 fn around(env: BoxEnv, (kind, x): (u8, u8)) -> Result<(BoxEnv, bool)> {
     use gym::wrappers::*;
     let n = u32::from(x % 4) + 1;
@@ -809,7 +809,7 @@ fn bounds_of_any_type_are_rebuilt_to_the_last_bit() {
     }
 }
 
-/// Inconsistent repeats are refused, and nothing is restored.
+/// Restoring inconsistent repeats is an error and has no effect.
 #[test]
 fn repeats_that_cannot_be_are_refused() {
     let wrappers =

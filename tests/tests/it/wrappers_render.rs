@@ -58,7 +58,7 @@ impl Env for Picture {
     }
 }
 
-/// Returns the pixels that differ from the one colour, and the next number of the generator.
+/// Returns the pixels that differ from the frame's colour, and the next number of the generator.
 fn noise<E: Env>(mut env: E) -> (Vec<u8>, i64) {
     assert!(
         env.render().is_err(),
@@ -358,7 +358,7 @@ fn depths_are_of_the_picture_and_in_metres() {
         (depth.width, depth.height, depth.metres.len()),
         (64, 48, 64 * 48)
     );
-    // the robot is in the middle, and the camera 3.4 m from it
+    // the robot is in the middle, and the camera 3.4 m from the robot
     let middle = depth.metres[24 * 64 + 32];
     assert!((3.0..3.4).contains(&middle), "{middle}");
     assert!(depth.metres.iter().all(|metres| *metres > 1.0));
@@ -369,7 +369,7 @@ fn depths_are_of_the_picture_and_in_metres() {
     assert_eq!(again, depth);
     let seen = made(RenderMode::RgbArray).render().unwrap();
     assert_eq!(Some(frame), seen.into_frame());
-    // nothing but a robot's task has depths
+    // only MuJoCo tasks render depths
     let refused = gym::builder("CartPole-v1")
         .render_mode(RenderMode::DepthArray)
         .build();

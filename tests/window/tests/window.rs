@@ -193,7 +193,7 @@ fn a_window_shows_frames_survives_its_user_and_keeps_time() {
     });
     eventually("its picture at another size", &mut is_seen);
 
-    // after the user closes the window, the environment continues, and nothing is drawn or awaited
+    // after the user closes the window, the environment continues, and steps neither draw nor wait
     display.close(window);
     eventually("the end of the window", || {
         env.step(&0).unwrap();

@@ -16,8 +16,8 @@ use crate::{files, root, say};
 const LONGEST: Duration = Duration::from_secs(1800);
 /// The largest duration of a single test.
 const SILENCE: Duration = Duration::from_secs(300);
-/// A script for the page as one file. It opens the test page as soon as the page shows an image, or
-/// after a minute.
+/// A script for the page as one file. The script opens the test page as soon as the page shows an
+/// image, or after a minute.
 const SINGLE: &str = r#"<script>
 const wait = setInterval(() => {
   const canvas = document.querySelector(".tile canvas");

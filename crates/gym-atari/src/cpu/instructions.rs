@@ -67,7 +67,7 @@ pub(crate) enum Access {
     Read,
     /// One write.
     Write,
-    /// A read, a cycle of work, a write.
+    /// A read, a cycle that computes, a write.
     Modify,
 }
 
@@ -90,8 +90,8 @@ pub(crate) struct Instruction {
     pub(crate) mode: Mode,
 }
 
-/// By opcode: the bytes of an instruction that are read before it does anything. `JSR` reads its
-/// third byte last.
+/// For each opcode: the number of bytes that the processor reads before the instruction has an
+/// effect. `JSR` reads its third byte last.
 pub(crate) const LENGTHS: [u8; 256] = {
     let mut lengths = [2; 256];
     let mut opcode = 0;

@@ -286,7 +286,7 @@ impl Cpu {
     /// Returns the byte that a store writes.
     #[inline(always)]
     fn stored(&mut self, operation: Operation, address: u16) -> u8 {
-        // the four unstable stores AND it with the address's high byte plus 1
+        // the four unstable stores write `register & (high byte of the address + 1)`
         let high = ((address >> 8) as u8).wrapping_add(1);
         match operation {
             Operation::Sta => self.a,

@@ -14,10 +14,10 @@ pub(crate) struct Core<B> {
     pub(crate) stopped: bool,
 }
 
-/// `LAX $12`.
+/// The opcode of `LAX $12`.
 const LAX_ZERO_PAGE: u8 = 0xa7;
-/// The bytes of a loop that waits for a register, such as `LDA INTIM` and `BNE` back to it; and the
-/// cycles of one iteration.
+/// The bytes of a loop that waits for a register, such as `LDA INTIM` and a `BNE` back to `LDA`;
+/// and the cycles of one iteration.
 const LOOP_BYTES: i8 = 5;
 const LOOP_CYCLES: u64 = 7;
 
@@ -110,8 +110,8 @@ impl<B: Bus> Core<B> {
         }
     }
 
-    /// Fetches an instruction whose bytes are not simply in ROM. If the instruction has one byte,
-    /// the processor reads the next byte too. The reads happen at the cycles that
+    /// Fetches an instruction whose bytes are not all in ROM within one window. If the instruction
+    /// has one byte, the processor reads the next byte too. The reads happen at the cycles that
     /// [`execute`](Self::execute) counts.
     #[inline(always)]
     fn fetch(&mut self) -> [u8; 4] {
@@ -380,7 +380,7 @@ impl<B: Bus> Core<B> {
                 self.cpu.pc = self.cpu.pc.wrapping_add(1);
             }
             Operation::Nop => {}
-            // repeats forever: the next call executes it again
+            // repeats forever: the next call executes the instruction again
             Operation::Jam => {
                 self.cpu.pc = self.cpu.pc.wrapping_sub(1);
                 self.stop();

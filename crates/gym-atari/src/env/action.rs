@@ -50,8 +50,8 @@ impl Element for AtariAction {
 }
 
 /// Returns the game's action for a stick and a button. A direction counts if its coordinate exceeds
-/// `threshold`, the button if its pressure does. ale-py computes the coordinates with numpy's
-/// `float32` functions.
+/// `threshold`; the button counts if `pressure` exceeds `threshold`. ale-py computes the
+/// coordinates with numpy's `float32` functions.
 pub(super) fn from_stick([radius, angle, pressure]: [f32; 3], threshold: f32) -> Action {
     let (sin, cos) = math::numpy_sin_cos_f32(angle);
     let (x, y) = (radius * cos, radius * sin);
@@ -82,8 +82,8 @@ pub(super) const MOST_ANGLE: f32 = PI;
 mod tests {
     use super::*;
 
-    /// Recorded from ale-py 0.12.1. With glibc's `cosf`, each of these actions would be the other
-    /// one.
+    /// The expected actions are recorded from ale-py 0.12.1. With glibc's `cosf`, each case would
+    /// select another action.
     #[test]
     fn sticks_at_the_threshold_are_decided_by_numpys_cosine() {
         for (radius, angle, expected) in [

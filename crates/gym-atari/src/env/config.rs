@@ -77,10 +77,10 @@ pub enum Frameskip {
 const MOST_FRAMES: i64 = 10_000;
 
 impl Config {
-    /// The game, if these arguments are valid for it.
+    /// Checks the arguments, and returns the game.
     ///
     /// # Errors
-    /// [`Error::InvalidArgument`] for one that is not.
+    /// [`Error::InvalidArgument`] for an argument that is invalid for the game.
     pub(super) fn check(&self) -> Result<&'static Game> {
         let invalid =
             |reason: String| Err(Error::argument(format!("Atari ({})", self.game), reason));

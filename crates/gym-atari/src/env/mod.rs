@@ -48,7 +48,7 @@ struct Episode {
     seeds: Option<[u32; 2]>,
 }
 
-/// The stored form. It names the ROM but does not contain it.
+/// The stored form of an environment. The stored form has the checksum of the ROM, not the ROM.
 #[derive(Serialize, Deserialize)]
 struct Stored {
     md5: String,
@@ -255,7 +255,7 @@ impl AtariEnv {
     }
 }
 
-/// Returns the bytes of `array`, after it was replaced if its shape or dtype was different.
+/// Returns the bytes of `array`. First replaces `array` if its shape or dtype is different.
 pub(crate) fn buffer<'a>(array: &'a mut Array, shape: &[usize]) -> &'a mut [u8] {
     if array.shape() != shape || array.dtype() != DType::U8 {
         *array = Array::zeros(DType::U8, shape).unwrap_or_default();
@@ -268,8 +268,8 @@ pub(crate) fn bytes(shape: &[usize]) -> Space {
     Space::Box(BoxSpace::uniform(0.0, 255.0, shape, DType::U8).expect("a box of bytes"))
 }
 
-/// The state is the console's RAM, 128 bytes, and the number of lives. It cannot be set: only a
-/// snapshot holds the whole console.
+/// The state is the console's RAM, 128 bytes, and the number of lives. The state cannot be set,
+/// because only a snapshot has the whole console.
 impl Inspect for AtariEnv {
     fn state(&self) -> Option<Json> {
         self.episode.as_ref()?;

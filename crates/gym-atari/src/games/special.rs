@@ -1,4 +1,4 @@
-//! Games whose score is not a plain sum of digits.
+//! Games whose score is not the number that its digits form.
 
 use super::Ram;
 
@@ -30,7 +30,8 @@ impl Ram<'_> {
         }
     }
 
-    /// Casino: the game is over without points. In mode 3 it first waits until there are points.
+    /// Casino: whether the game is over. In mode 3, the game is over once there are points and the
+    /// program does not wait; in other modes, if no points are left.
     pub(super) fn casino_is_over(&self) -> bool {
         let (points, waits) = (
             self.at(0x0c) | self.at(0x15) != 0,
@@ -77,7 +78,7 @@ impl Ram<'_> {
         }
     }
 
-    /// Superman: these bytes show the only place in which the game ends.
+    /// Superman: whether the player is at the place where the game ends, as these bytes show.
     pub(super) fn superman_is_over(&self) -> bool {
         self.at(0x00) == 0xac && self.at(0x01) == 0xf2 && self.at(0x1f) & 0x40 != 0
     }
@@ -96,7 +97,7 @@ impl Ram<'_> {
         self.at(0x7e) == 0x10 && self.at(0x7f) == 0xf3
     }
 
-    /// Video Chess: one byte shows that the game is over, another the side that won.
+    /// Video Chess: one byte shows that the game is over, another byte shows the winner.
     pub(super) fn video_chess_is_over(&self) -> bool {
         self.at(0x61) == 0x82 && self.at(0x6e) <= 1
     }

@@ -12,7 +12,7 @@ use super::registers::bit;
 use super::{BL, BLANK, CLOCKS_PER_LINE, M0, M1, OBJECTS, P0, P1, PF, Tia, objects};
 use crate::screen::{Screen, WIDTH};
 
-/// The pixels of the current line that may differ from the line above, and those of the next line.
+/// The pixels of the current line, and of the next line, that may differ from the line above.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Differing {
     here: Pixels,
@@ -26,8 +26,8 @@ impl Differing {
         below: Pixels::ALL,
     };
 
-    /// Marks `pixels` as changed from `x` on: those right of `x` on the current line, those left of
-    /// `x` on the next line.
+    /// Marks `pixels` as changed: the pixels from `x` on in the current line, the pixels left of
+    /// `x` in the next line.
     #[inline(always)]
     fn add(&mut self, pixels: Pixels, x: usize) {
         let Self { here, below } = self;
@@ -140,7 +140,7 @@ impl Tia {
     /// Applies changes that take effect at the start of a line, or at the end of a visible line.
     #[inline(never)]
     fn start_row(&mut self, screen: &mut Screen) {
-        // a comb above the picture waits for the picture's first row
+        // the comb of an `HMOVE` above the picture appears on the picture's first row
         if self.comb
             && let Some(row) = self.row()
         {
@@ -262,8 +262,8 @@ impl Tia {
         }
     }
 
-    /// Whether the line has any object except the playfield, including a player whose only copy is
-    /// suppressed.
+    /// Whether the line has any object except the playfield. A player whose only copy is suppressed
+    /// counts.
     fn shows_others(&self) -> bool {
         let left_out = |i: usize| self.without_main[i] && self.graphics(i) != 0;
         !self.objects.only_playfield() || left_out(0) || left_out(1)

@@ -137,8 +137,8 @@ pub(crate) struct Tia {
     collisions: u16,
     /// The pixel at which each object starts.
     x: [u8; 5],
-    /// Whether each player's first copy is suppressed. It is until a visible line ends, `NUSIZx` is
-    /// written, or `HMOVE`.
+    /// Whether each player's first copy is suppressed, until the end of a visible line, a write of
+    /// `NUSIZx`, or `HMOVE`.
     without_main: [bool; 2],
     // the beam
     line: u32,
@@ -150,7 +150,7 @@ pub(crate) struct Tia {
     moved: u64,
     /// The line that is being drawn: the beam's line or the next one.
     drawn_line: u32,
-    /// The number of its pixels that are painted.
+    /// The number of painted pixels of the drawn line.
     painted: u8,
     comb: bool,
     /// The lowest bit of each pixel: 1 in a frame without colours.
@@ -159,8 +159,8 @@ pub(crate) struct Tia {
     short: bool,
     // the objects on the line being drawn
     objects: Objects,
-    /// A bit for each object that changed since it was placed, and the pixel of each object's last
-    /// change.
+    /// A bit for each object that changed since its pixels were computed, and the pixel of each
+    /// object's last change.
     stale: u8,
     from: [u8; OBJECTS],
     /// A bit for each object that changed within the line.
@@ -530,8 +530,8 @@ impl Tia {
         self.change_all_colors(clock, screen);
         self.change(1 << PF | 1 << BL, clock, screen);
         self.ctrlpf = value;
-        // the right half keeps its reflection if it has begun: a write at pixel 76 is in time, one
-        // at 79 is not
+        // the write does not change the reflection of a right half that has begun: a write at pixel
+        // 76 is in time, a write at pixel 79 is too late
         if (clock as i32) < BLANK + 79 {
             self.reflected = value & bit::REFLECT_PLAYFIELD != 0;
         }
@@ -553,7 +553,7 @@ impl Tia {
             if object == BL { clock } else { clock + 8 },
             screen,
         );
-        // all positions in the blank give the same start
+        // all positions in the horizontal blank give the same start
         let beam = (clock as i32 - BLANK).max(-2);
         self.x[object] = match (object, self.moved.checked_sub(self.line_start), c) {
             // an `HMOVE` at the start of the line still moves some objects; measured for all
@@ -675,13 +675,13 @@ impl Tia {
     }
 
     /// Writes `RESPx`: the player restarts just behind the beam. The rest of the line does not show
-    /// its first copy, unless an old copy was about to start. A copy that is being drawn continues
+    /// the first copy, unless an old copy was about to start. A copy that is being drawn continues
     /// for 11 clocks. A write at the end of a line suppresses the next line's first copy only if an
     /// old copy is being drawn.
     #[inline(never)]
     fn reset_player(&mut self, i: usize, c: u32, screen: &mut Screen) {
         let clock = 3 * c;
-        // all positions in the blank give the same start
+        // all positions in the horizontal blank give the same start
         let beam = (clock as i32 - BLANK).max(-2);
         let width = 8 * i32::from(objects::scale(self.nusiz[i]));
         let mut running = false;
@@ -743,7 +743,7 @@ impl Tia {
         }
         if self.display.comb && (c <= 20 || c >= 75) {
             if c >= 75 {
-                // the comb of the next line
+                // shows the comb, the black start of a line after `HMOVE`, on the next line
                 self.reach(CLOCKS_PER_LINE, screen);
             }
             self.comb = true;

@@ -165,7 +165,8 @@ impl Objects {
             }
             if (p0 | m0 | p1 | m1 | bl) & pixels != 0 {
                 let ahead = if colors.playfield_first { pf | bl } else { 0 };
-                // in score mode the left half has player 0's priority, so it is drawn over player 1
+                // in score mode, the left half of the playfield has player 0's priority, so the
+                // half is drawn over player 1
                 let ahead_of_1 = if colors.score {
                     ahead | pf & LEFT_HALF[word]
                 } else {

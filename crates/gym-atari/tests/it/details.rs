@@ -112,7 +112,8 @@ fn registers_of_the_riot_are_where_they_are_said_to_be() {
     assert_eq!(left(&output), [0x5f, 0xf0]);
 }
 
-/// After the timer has reached 0, it counts each cycle. A read makes it count each interval again.
+/// After the timer has reached 0, the timer counts each cycle. A read makes the timer count each
+/// interval again.
 #[test]
 fn a_read_behind_its_end_puts_the_timers_interval_back() {
     let code = [
@@ -168,8 +169,8 @@ fn collisions_come_back_after_they_were_cleared() {
     }
 }
 
-/// Bit 7 of `VBLANK` discharges the paddles' capacitors. They charge once the bit is cleared, the
-/// more slowly the further a paddle is turned left.
+/// Bit 7 of `VBLANK` discharges the paddles' capacitors. The capacitors charge once the bit is
+/// cleared, the more slowly the further a paddle is turned left.
 #[test]
 fn paddles_charge_from_when_they_are_let_go() {
     let mut code = vec![

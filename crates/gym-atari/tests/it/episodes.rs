@@ -11,8 +11,8 @@ use serde_json::Value as Json;
 
 use crate::rom::rom;
 
-/// Returns a program that clears RAM except the lives of Breakout. In each frame it increments
-/// `$80`, stores the stick at `$81` and the switches at `$82`, and changes the colour.
+/// Returns a program that clears RAM except the lives of Breakout. In each frame, the program
+/// increments `$80`, stores the stick at `$81` and the switches at `$82`, and changes the colour.
 fn looks(game: &str) -> Rom {
     let lives = if game == "breakout" { 5 } else { 0 };
     let code = rom(&[

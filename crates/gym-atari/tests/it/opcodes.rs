@@ -164,8 +164,8 @@ fn opcodes_do_what_they_do_in_ale_py() {
     }
 }
 
-/// Returns a program with 56 sums or differences of random bytes; it stores the accumulator and the
-/// status of each.
+/// Returns a program with 56 sums or differences of random bytes; the program stores the
+/// accumulator and the status of each.
 fn decimal_program(opcode: u8, seed: u32) -> Vec<u8> {
     let mut random = Lcg(seed);
     let mut below = |n: u16| random.below(n) as u8;

@@ -468,7 +468,7 @@ fn random_writes(seed: u32, registers: &[u8]) -> Vec<u8> {
     rom(&code)
 }
 
-/// A write at any time of a line shows where ale-py shows it.
+/// A write at any time of a line becomes visible at the same pixel as in ale-py.
 #[test]
 fn writes_show_when_they_do_in_ale_py() {
     // colours, graphics, enabling, reflection, vertical delay
@@ -681,8 +681,8 @@ fn a_move_still_moves_what_starts_anew() {
     assert_eq!(checksum(&ale), 0xe63a_2174);
 }
 
-/// The 70th frame is so long that a write to `WSYNC` ends it. The write still waits: the next frame
-/// starts with the next line.
+/// The 70th frame is so long that a write to `WSYNC` ends the frame. The write still waits: the
+/// next frame starts with the next line.
 #[test]
 fn wsync_waits_where_it_ends_a_frame() {
     let mut code = vec![

@@ -23,7 +23,8 @@ const BRAKE_FORCE: f64 = 15.0;
 const LOCKING_BRAKE: f64 = 0.9;
 /// The largest increase of a wheel's throttle per step.
 const GAS_RISE: f64 = 0.1;
-/// Added to a wheel's angular velocity where the engine's power is divided by it, in rad/s.
+/// The number added to a wheel's angular velocity, in rad/s, before the engine's power is divided
+/// by the velocity.
 const MIN_OMEGA: f64 = 5.0;
 /// The friction limit on grass, as a fraction of the road's.
 const GRASS_FRICTION: f64 = 0.6;
@@ -191,7 +192,7 @@ impl Car {
         }
     }
 
-    /// Sets the throttle of the rear wheels; it rises slowly and falls at once.
+    /// Sets the throttle of the rear wheels. An increase takes effect slowly, a decrease at once.
     pub(super) fn gas(&mut self, gas: f64) {
         let gas = gas.clamp(0.0, 1.0);
         for wheel in &mut self.wheels[2..] {
@@ -206,7 +207,8 @@ impl Car {
         }
     }
 
-    /// Sets the target angle of the front wheels, in rad; they turn towards it over several steps.
+    /// Sets the target angle of the front wheels, in rad. The wheels turn towards the target over
+    /// several steps.
     pub(super) fn steer(&mut self, steer: f64) {
         for wheel in &mut self.wheels[..2] {
             wheel.steer = steer;
@@ -307,7 +309,7 @@ impl Car {
                 (mark.on_grass, mark.number) = (on_grass, number);
                 mark.points.clear();
                 // (Gymnasium means to begin at the wheel's previous position, but has already
-                // overwritten it)
+                // overwritten this position)
                 mark.points.extend([position, position]);
             }
         } else {

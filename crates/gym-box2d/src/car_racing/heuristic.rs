@@ -9,7 +9,7 @@ use gym_core::{BoxEnv, Element, Env, EnvExt, Space};
 use super::CarRacing;
 
 /// Steers towards the sixth track point ahead, at a moderate speed. The controller reads the track,
-/// not the image; it does not support the five discrete actions.
+/// not the image, and does not support the five discrete actions.
 pub(super) fn follow_the_track(env: &BoxEnv) -> Option<Controller> {
     if let Space::Discrete(_) = env.action_space() {
         return None;

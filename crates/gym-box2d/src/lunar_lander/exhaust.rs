@@ -48,7 +48,7 @@ pub(super) struct Exhaust {
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 struct Particle {
     body: BodyId,
-    /// Time to live. The oldest particle is removed once this is below 0.
+    /// Time to live. The oldest particle is removed once `ttl` is below 0.
     ttl: f64,
 }
 

@@ -84,7 +84,7 @@ impl fmt::Debug for Sets {
     }
 }
 
-/// Working memory: it holds no state between steps.
+/// Working memory, without state between steps.
 struct Work {
     pipeline: PhysicsPipeline,
     ccd: CCDSolver,
@@ -580,7 +580,7 @@ fn collider(shape: &Geometry) -> Option<ColliderBuilder> {
 
 /// Returns the joint's impulse on the second body, computed from `rows`, the impulses of rapier's
 /// two constraint rows along the first body's axes. rapier makes the second row independent of the
-/// first (modified Gram-Schmidt), so it acts along the first axis too.
+/// first (modified Gram-Schmidt), so the second row acts along the first axis too.
 fn joint_impulse(joint: &Joint, a: &Body, b: &Body, rows: [f32; 2]) -> Vec2 {
     let (q_a, q_b) = (rotation(a.sweep.a0), rotation(b.sweep.a0));
     let r_a = rotate(q_a, joint.local_anchor_a - a.sweep.local_center);

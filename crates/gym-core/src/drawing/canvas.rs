@@ -331,7 +331,7 @@ pub fn smooth<C: Canvas + ?Sized>(canvas: &mut C, primitive: Primitive<'_>, colo
             canvas.stroke(Shape::Polyline(&[[x, y1], [x, y2]]), THIN, color);
         }
         Primitive::FilledPolygon(points) => canvas.fill(Shape::Polygon(points), color),
-        // pixels on the edges belong to it: they reach half a pixel beyond
+        // the polygon includes the pixels on its edges, which extend half a pixel beyond the edges
         Primitive::Polygon(points) => {
             canvas.fill(Shape::Polygon(points), color);
             canvas.stroke(Shape::Polygon(points), THIN, color);
@@ -359,7 +359,7 @@ pub fn smooth<C: Canvas + ?Sized>(canvas: &mut C, primitive: Primitive<'_>, colo
             };
             canvas.stroke(shape, f64::from(width), color);
         }
-        // the outline that always comes with a filled circle; it is drawn with that one
+        // callers draw this outline together with a filled circle, which includes the outline
         Primitive::AaCircle { .. } => {}
         Primitive::FilledCircle { center, radius } => {
             canvas.fill(
@@ -421,7 +421,7 @@ impl Label {
     /// The text, truncated to what fits.
     pub fn new(text: fmt::Arguments<'_>) -> Self {
         let mut label = Self::default();
-        // the only error is that it is full
+        // the only error is a full buffer
         let _ = label.write_fmt(text);
         label
     }
@@ -454,21 +454,21 @@ pub const TURN: f64 = 2.0 * PI;
 mod tests {
     use super::*;
 
-    /// The shapes that are filled, and those that are stroked with their width.
+    /// A canvas that records the filled shapes, and the stroked shapes with their widths.
     #[derive(Default)]
     struct Drawn(Vec<String>);
 
-    fn told(shape: Shape<'_>, width: Option<f64>) -> String {
+    fn described(shape: Shape<'_>, width: Option<f64>) -> String {
         format!("{shape:?}, {width:?}")
     }
 
     impl Canvas for Drawn {
         fn clear(&mut self, _color: Color) {}
         fn fill(&mut self, shape: Shape<'_>, _color: Color) {
-            self.0.push(told(shape, None));
+            self.0.push(described(shape, None));
         }
         fn stroke(&mut self, shape: Shape<'_>, width: f64, _color: Color) {
-            self.0.push(told(shape, Some(width)));
+            self.0.push(described(shape, Some(width)));
         }
         fn text(
             &mut self,
@@ -561,14 +561,14 @@ mod tests {
                 Primitive::Circle { center, radius },
                 &[(circle([4.5, 4.5], 3.0), None)],
             ),
-            // it comes with a filled one
+            // the filled circle includes this outline
             (Primitive::AaCircle { center, radius }, &[]),
         ] {
             let mut drawn = Drawn::default();
             smooth(&mut drawn, primitive, Color::rgb(0, 0, 0));
             let expected: Vec<_> = expected
                 .iter()
-                .map(|(shape, width)| told(*shape, *width))
+                .map(|(shape, width)| described(*shape, *width))
                 .collect();
             assert_eq!(drawn.0, expected, "{primitive:?}");
         }

@@ -39,8 +39,8 @@ impl BoxEnv {
         self.env = other.env;
     }
 
-    /// Changes with every reset, step and restore, so that a vector detects those it did not
-    /// request.
+    /// A count that changes with every reset, step and restore. A vector compares counts to detect
+    /// calls that the vector did not make.
     pub(crate) fn moves(&self) -> u64 {
         self.moves
     }
@@ -55,7 +55,7 @@ impl Clone for BoxEnv {
     }
 }
 
-/// The stack of wrappers and the environment.
+/// Prints the stack of wrappers and the environment.
 impl fmt::Display for BoxEnv {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(&self.describe())

@@ -345,7 +345,7 @@ pub fn read_state<T: Task>(task: &T, state: Json) -> Result<T::State> {
     }
 }
 
-/// An argument that is set counts from the next step on.
+/// A new value of an argument applies from the next step on.
 impl<D: Dynamics> Inspect for Stateful<D> {
     fn state(&self) -> Option<Json> {
         serde_json::to_value(self.state()?).ok()

@@ -168,8 +168,8 @@ pub trait Wrapper: Clone + Send + 'static {
 /// Gives another macro, behind `$words`, each method of [`Env`] that passes through a wrapper
 /// unchanged, with the name of its hook. `all` adds the methods whose hooks have other defaults.
 ///
-/// `reset_into`, `step_into` and `restore` are not among them, because a layer may have state that
-/// they change.
+/// The list excludes `reset_into`, `step_into` and `restore`, because these methods may change the
+/// state of a layer.
 macro_rules! methods {
     (all $then:ident! $($words:tt)*) => {
         $crate::env::wrapper::methods!($then! $($words)*);

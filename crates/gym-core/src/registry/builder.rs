@@ -54,7 +54,7 @@ pub fn builder(id: &str) -> EnvBuilder {
 #[derive(Clone, Debug)]
 pub struct EnvBuilder {
     spec: Result<EnvSpec>,
-    /// The registration of its id; `None` if the spec comes from elsewhere.
+    /// The registration of the spec's id; `None` if the spec does not come from the registry.
     registration: Option<Registration>,
 }
 
@@ -169,8 +169,8 @@ impl EnvSpec {
         EnvBuilder::from_spec(self.clone()).build()
     }
 
-    /// Gymnasium passes the arguments of `make` and of the constructor together; this separates
-    /// them.
+    /// Gymnasium passes the arguments of `make` and of the constructor together; this function
+    /// takes the arguments of `make` out.
     fn take_arguments_of_make(&mut self) -> Result<()> {
         self.render_mode = self.take("render_mode")?.or(self.render_mode);
         self.disable_env_checker = self

@@ -34,8 +34,8 @@ use crate::value::{Error, Result};
 
 type Table = BTreeMap<EnvId, Vec<Registration>>;
 
-/// All registrations by id. A malformed link-time id is kept under a name that cannot be looked up,
-/// so that the conformance check can report it.
+/// All registrations by id. If a crate registers a malformed id at link time, the table has the
+/// registration under a name that `find` refuses, and the conformance check reports the id.
 static TABLE: LazyLock<RwLock<Table>> = LazyLock::new(|| {
     let mut table = Table::new();
     for registration in inventory::iter::<Registration> {
@@ -210,7 +210,7 @@ fn not_found(table: &Table, id: &EnvId) -> Error {
             }
         }
         version => {
-            // `Pong-v5` is there as `ALE/Pong-v5`
+            // suggest `ALE/Pong-v5` for `Pong-v5`
             let elsewhere = table
                 .keys()
                 .filter(|other| other.name == id.name && other.version == id.version);

@@ -22,12 +22,12 @@ pub fn build<B: Build>(spec: &EnvSpec) -> Result<B::Env> {
 }
 
 /// Makes a native vector of a registered environment that is [`Lockstep`], for
-/// [`Registration::vector_entry_point`](crate::Registration::vector_entry_point). It is a sync
-/// vector whose sub-environments step together.
+/// [`Registration::vector_entry_point`](crate::Registration::vector_entry_point). The result is a
+/// sync vector whose sub-environments step together.
 ///
 /// # Errors
 /// [`Error::InvalidArgument`](crate::Error) for arguments that the environment does not take, and
-/// as [`SyncVectorEnv::new`].
+/// as [`SyncVectorEnv::new`](crate::vector::SyncVectorEnv::new).
 pub(super) fn entry_point<E: Lockstep + Configure>(
     spec: &VectorSpec,
 ) -> Result<Box<dyn VectorEnv>> {

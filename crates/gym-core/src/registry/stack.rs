@@ -16,8 +16,9 @@ pub(super) enum Renders {
     Drawings,
 }
 
-/// The environment of a spec in its stack, from the inside: `Render` if there is a render mode,
-/// `PassiveEnvChecker`, `OrderEnforcing`, `TimeLimit`. The additional wrappers are not in it.
+/// Adds the wrappers of `make` to `env`, from the inside: `Render` if there is a render mode,
+/// `PassiveEnvChecker`, `OrderEnforcing`, `TimeLimit`. The caller adds the spec's additional
+/// wrappers.
 pub(super) fn stack<E: Env>(
     env: E,
     renders: Renders,
@@ -46,12 +47,13 @@ pub(super) fn stack<E: Env>(
     if let Some((width, height)) = spec.render_size {
         render = render.with_size(width, height)?;
     }
-    // one more type per environment would save little beside drawing
+    // a `BoxEnv` here saves compiling a second stack of types per environment; the cost is small
+    // compared with drawing
     guarded(BoxEnv::new(render), spec)
 }
 
-/// An environment in the rest of its stack. The usual stack is one type, erased once, so that a
-/// step converts its action and observation once and not in each wrapper.
+/// Adds the wrappers outside `Render`. With the default wrappers, the result is one type in one
+/// `BoxEnv`, so a step converts its action and observation once, and not in each wrapper.
 fn guarded<E: Env>(env: E, spec: &EnvSpec) -> Result<BoxEnv> {
     let EnvSpec {
         disable_env_checker,

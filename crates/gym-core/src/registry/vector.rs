@@ -110,7 +110,7 @@ impl VectorSpec {
 /// spec, and the boxes of its wrappers.
 const ENV_BYTES: usize = 1024;
 
-/// The option of a spec that native vectors do not support.
+/// Returns an option of the spec that native vectors do not support, if there is one.
 fn native_obstacle(spec: &EnvSpec) -> Option<&'static str> {
     if !spec.additional_wrappers.is_empty() {
         Some("its environments cannot be wrapped: wrap the vector, or make a sync or async one")
@@ -224,8 +224,8 @@ impl VectorBuilder {
         if self.has_kind {
             return Ok((spec, None));
         }
-        // a native vector refuses options that it does not support; a sync vector may support them,
-        // or reports its own error
+        // a native vector returns an error for unsupported options; a sync vector may support these
+        // options, or returns its own error
         match spec.make() {
             Ok(vector) => Ok((spec, Some(vector))),
             Err(_) => Ok((

@@ -239,7 +239,8 @@ impl BoxSpace {
     }
 
     fn draw_into<T: Numeric>(&self, rng: &mut Generator, values: &mut [T], low: &[T], high: &[T]) {
-        // Gymnasium draws all elements of one kind before those of the next.
+        // Gymnasium draws all elements that are unbounded, then those bounded below, bounded above,
+        // and bounded on both sides.
         for kind @ (below, above) in [(false, false), (true, false), (false, true), (true, true)] {
             for i in 0..values.len() {
                 if (self.0.bounded_below[i], self.0.bounded_above[i]) != kind {
@@ -350,7 +351,8 @@ impl Bound {
     }
 }
 
-/// Flags of finite low and high bounds of one type; `None` if some are not valid bounds.
+/// Returns for each element whether the low and the high bound are finite; `None` for invalid
+/// bounds.
 fn bounded<T: Numeric>(low: &[T], high: &[T]) -> Option<(Vec<bool>, Vec<bool>)> {
     let is_finite = |bound: &T| bound.to_f64().is_finite();
     let are_bounds = low.iter().zip(high).all(|(low, high)| {
@@ -425,8 +427,8 @@ fn settle<T: Numeric>(x: f64, low: T, high: T) -> T {
     }
 }
 
-/// The stored form. A bound is one number if all elements share it, and `"inf"` or `"-inf"` if it
-/// is infinite.
+/// The stored form. A bound is one number if all elements have equal bounds, and `"inf"` or
+/// `"-inf"` for an infinite number.
 #[derive(Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct Description {

@@ -269,7 +269,8 @@ macro_rules! discrete {
 
             #[inline(always)]
             fn from_item(index: i64) -> Self {
-                // the compiler turns this into a minimum, which vectorises; a look-up would not
+                // the compiler turns this loop into a minimum and vectorises the minimum; a look-up
+                // would not be vectorised
                 let mut action = Self::ALL[Self::ALL.len() - 1];
                 $(
                     if index == Self::$variant as i64 {

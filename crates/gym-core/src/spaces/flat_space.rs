@@ -107,7 +107,7 @@ impl Space {
         let Self::OneOf(space) = self else {
             return Ok(dtype);
         };
-        // The index must fit as well.
+        // The type must represent the index too.
         let last = Number::Int(space.spaces().len() as i128 - 1);
         let index = [DType::U8, DType::U16, DType::U32, DType::U64]
             .into_iter()

@@ -238,8 +238,8 @@ impl Space {
         self.read_flat(flat.split_off(..len).unwrap_or_default())
     }
 
-    /// Makes an element of `to` from one of `from` by flattening or unflattening (`map`) each
-    /// member with its space here, if the whole is not an array.
+    /// Converts an element of `from` to an element of `to`, for spaces whose flat form is not an
+    /// array. `map` flattens or unflattens a member with the member's space.
     fn convert(
         &self,
         value: &Value,

@@ -136,8 +136,8 @@ impl GraphSpace {
     }
 }
 
-/// As in Gymnasium, all rows are drawn with a copy of the generators: the generator of the space
-/// advances by one number, and the generators of its members do not advance.
+/// Draws all rows. As in Gymnasium, the draws use a copy of the generators: only the space's
+/// generator advances, by one number.
 fn draw_rows<T: Weight>(
     space: &Space,
     streams: &mut Streams,
@@ -149,15 +149,15 @@ fn draw_rows<T: Weight>(
     rows
 }
 
-/// Draws an element of Gymnasium's `batch_space(space, n)`: elements that do not batch into arrays
-/// are drawn one by one, each with a seed of its own.
+/// Draws an element of Gymnasium's `batch_space(space, n)`. If the batched elements are not an
+/// array, each element is drawn with a new seed.
 fn draw_batch<T: Weight>(
     space: &Space,
     streams: &mut Streams,
     selection: &Selection<T>,
     n: usize,
 ) -> Value {
-    /// The largest of Gymnasium's seeds, plus one.
+    /// One more than the largest seed that Gymnasium draws.
     const SEEDS: i64 = 100_000_000;
     let mut out = Value::Null;
     match space {

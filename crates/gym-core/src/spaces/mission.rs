@@ -9,7 +9,7 @@ use super::invalid;
 use crate::value::fault::Fault;
 use crate::value::{Error, Result, Value};
 
-/// Where a word stands in a pattern.
+/// The placeholder for a word in a pattern.
 const BLANK: &str = "{}";
 
 /// The sentences of a pattern whose blanks are filled with words: minigrid's `MissionSpace`.
@@ -254,7 +254,7 @@ mod tests {
         ] {
             assert!(!space.has(other), "{other}");
         }
-        // a word that begins with another
+        // a word that is the start of another word
         let space = MissionSpace::new("{}{}", [vec!["a", "ab"], vec!["c", "bc"]]).unwrap();
         assert!(["ac", "abc", "abbc"].iter().all(|text| space.has(text)) && !space.has("ab"));
         assert!(

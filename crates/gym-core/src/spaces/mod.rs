@@ -102,8 +102,8 @@ pub enum Space {
     OneOf(OneOfSpace),
 }
 
-/// The levels of lists and objects in the stored form of a space. `serde_json` reads 128, and what
-/// holds the space needs some.
+/// The levels of lists and objects in the stored form of a space. `serde_json` reads at most 128
+/// levels, and a spec or snapshot around the space needs some of them.
 const MAX_LEVELS: usize = 112;
 
 impl Space {
@@ -287,7 +287,7 @@ impl Space {
         }
     }
 
-    /// The spaces that this one is made of, in the order in which they are seeded.
+    /// The member spaces, in the order in which Gymnasium seeds them.
     fn members(&self) -> Vec<&Self> {
         match self {
             Self::Tuple(space) => space.spaces().iter().collect(),
@@ -345,7 +345,8 @@ fn invalid<T>(reason: impl Into<String>) -> Result<T> {
 pub fn array_of<'a>(out: &'a mut Value, dtype: DType, shape: &[usize]) -> &'a mut Array {
     let fits = |array: &Array| array.dtype() == dtype && array.shape() == shape;
     if !out.as_array().is_some_and(fits) {
-        // the shape is that of a space, which `MAX_ELEMENTS` bounds, or of an array that is there
+        // `shape` is the shape of a space, limited to `MAX_ELEMENTS`, or of an existing array; so
+        // `zeros` does not fail
         *out = Value::Array(Array::zeros(dtype, shape).unwrap_or_default());
     }
     match out {

@@ -171,7 +171,8 @@ impl MultiDiscrete {
             for (i, value) in array.as_mut_slice::<N>().into_iter().flatten().enumerate() {
                 let index = match selection {
                     Selection::Each(weights) => T::choose_rescaled(&weights[i], rng) as i64,
-                    // one list for all nodes of a graph equals the same list for each
+                    // a single list of weights for all nodes of a graph equals the same list for
+                    // each node
                     Selection::Values(weights) => T::choose_rescaled(weights, rng) as i64,
                     _ => (rng.random() * self.nvec[i] as f64) as i64,
                 };

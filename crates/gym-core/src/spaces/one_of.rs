@@ -60,7 +60,7 @@ impl OneOfSpace {
         space.check_value(member).map_err(|fault| fault.at(1))
     }
 
-    /// The index, the space that it chooses, and the value for it.
+    /// Returns the index, the space with this index, and the element of this space.
     pub(super) fn chosen<'a>(
         &'a self,
         value: &'a Value,

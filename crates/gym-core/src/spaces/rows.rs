@@ -117,10 +117,12 @@ impl Space {
             .map_err(|fault| self.refuse(element, &fault))
     }
 
-    /// Overwrites the rows of a [batch](Self::batch) that begin with `to` by rows of another one.
+    /// Copies the rows `rows` of the [batch](Self::batch) `from` to `batch`, to the rows from `to`
+    /// on.
     ///
     /// # Errors
-    /// [`Error::NotInSpace`](crate::Error::NotInSpace) if one has another form, or too few rows.
+    /// [`Error::NotInSpace`](crate::Error::NotInSpace) if a batch has another form, or too few
+    /// rows.
     pub(crate) fn copy_rows(
         &self,
         from: &Value,
@@ -226,7 +228,8 @@ impl Space {
         })
     }
 
-    /// The smallest number of numbers in an element; a part that is no number counts as one.
+    /// The smallest number of scalars in an element. A part that is not a number, such as a text,
+    /// counts as one.
     pub(crate) fn len_of_row(&self) -> usize {
         match self {
             Self::Tuple(_) | Self::Dict(_) => {
@@ -387,7 +390,7 @@ fn other_batch() -> Fault {
     Fault::new("the batch is of another space")
 }
 
-/// Appends the numbers of a value; `None` if it contains anything else.
+/// Appends the numbers of `value`; `None` if `value` contains anything but numbers.
 fn flatten(value: &Value, numbers: &mut Vec<f64>) -> Option<()> {
     match value {
         Value::Array(array) => numbers.extend(array),

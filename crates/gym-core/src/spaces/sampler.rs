@@ -198,7 +198,8 @@ impl Streams {
             Self::new(space, &Seed::from(seed.unsigned_abs()))
         };
         let members = space.members().into_iter().map(&mut member).collect();
-        // Spaces that reuse their generator when sampling reseed it.
+        // As in Gymnasium, these spaces seed their own generator again after the generator drew the
+        // seeds of the members.
         if matches!(
             space,
             Space::OneOf(_) | Space::Sequence(_) | Space::Graph(_)
@@ -285,7 +286,7 @@ fn corner(space: &Space, high: bool) -> Value {
                 .collect(),
         ),
         Space::Sequence(space) => {
-            // Two lengths, so that a type of one length does not pass.
+            // Sequences of two lengths, so that a type of fixed length fails the check.
             let items = vec![corner(space.feature_space(), high); 1 + usize::from(high)];
             space.collect(items).unwrap_or_default()
         }

@@ -125,7 +125,7 @@ impl<T> Selection<T> {
         }
     }
 
-    /// Whether a space can be sampled with this.
+    /// Checks that `space` can be sampled with this selection.
     pub(super) fn check(&self, space: &Space) -> Result<(), Fault>
     where
         T: Weight,
@@ -359,7 +359,7 @@ mod tests {
         assert_eq!(Probabilities::from([0.9, 0.9]).check(&bits.into()), Ok(()));
     }
 
-    /// The sum may be off by more where it is rescaled to 1.
+    /// `MultiDiscrete` rescales the sum to 1 and so tolerates a larger error.
     #[test]
     fn a_sum_of_probabilities_is_nearly_one() {
         let grid = Space::from(MultiDiscrete::new([2]).unwrap());

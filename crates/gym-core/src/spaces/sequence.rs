@@ -119,7 +119,7 @@ impl SequenceSpace {
         for item in &mut items {
             self.feature.draw(&mut streams.members[0], member, item);
         }
-        // Samples of one space always go together.
+        // Samples of one space always collect into one value.
         *out = self.collect(items).unwrap_or_default();
     }
 }

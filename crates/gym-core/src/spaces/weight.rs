@@ -15,15 +15,15 @@ pub(super) trait Weight: Copy + fmt::Debug + PartialEq + 'static {
     /// Whether each entry is valid for a binary choice.
     fn check_tosses(weights: &[Self]) -> Result<(), Fault>;
 
-    /// An index, as `Discrete` chooses it.
+    /// Draws an index as `Discrete` does.
     fn choose(weights: &[Self], rng: &mut Generator) -> usize;
 
-    /// An index, as `MultiDiscrete` chooses it.
+    /// Draws an index as `MultiDiscrete` does.
     fn choose_rescaled(weights: &[Self], rng: &mut Generator) -> usize {
         Self::choose(weights, rng)
     }
 
-    /// A zero or a one for each entry, as `MultiBinary` chooses them.
+    /// Draws 0 or 1 for each entry as `MultiBinary` does.
     fn toss(weights: &[Self], rng: &mut Generator, out: &mut [i8]);
 
     /// The probability of each character, as `Text` computes it.

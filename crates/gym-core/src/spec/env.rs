@@ -61,8 +61,8 @@ impl EnvSpec {
     /// The spec of this environment in one more wrapper.
     #[must_use]
     pub fn wrapped(mut self, wrapper: WrapperSpec) -> Self {
-        // a list mode means a `RenderCollection` outside all other wrappers; the new wrapper is
-        // outside it
+        // with a list mode, `make` adds a `RenderCollection` outside all other wrappers, and the
+        // new wrapper is further outside
         if let Some(mode) = self.render_mode.filter(|mode| mode.is_list()) {
             self.render_mode = Some(mode.single());
             self.additional_wrappers

@@ -9,7 +9,7 @@ pub(crate) fn nearest<'a>(name: &str, known: impl Iterator<Item = &'a str>) -> O
     known
         .map(|known| (known.to_lowercase(), known))
         .filter(|(other, _)| {
-            // no name is more similar than their lengths are
+            // the ratio of the lengths is an upper bound of the similarity
             let other = other.chars().count();
             length.min(other) as f64 >= CUTOFF * length.max(other) as f64
         })
@@ -23,7 +23,8 @@ pub(crate) fn nearest<'a>(name: &str, known: impl Iterator<Item = &'a str>) -> O
 mod tests {
     use super::*;
 
-    /// All pairs of lengths, so that the ones that are not compared could not have been near.
+    /// Compares names of all pairs of lengths: a pair that `suggest` skips because of its lengths
+    /// is never near.
     #[test]
     fn names_of_another_length_are_not_near() {
         let known: Vec<String> = (0..12).map(|n| "ab".repeat(n)).collect();

@@ -52,7 +52,8 @@ impl<const N: usize> Continuous<N> {
 impl<const N: usize> From<[f32; N]> for Continuous<N> {
     #[inline(always)]
     fn from(numbers: [f32; N]) -> Self {
-        // no `map`: it is not always inlined, and then it is compiled without the CPU's features
+        // no `map`: the compiler does not always inline `map`, and a call is compiled without the
+        // CPU's features
         let mut wide = [0.0; N];
         for (x, y) in wide.iter_mut().zip(numbers) {
             *x = f64::from(y);

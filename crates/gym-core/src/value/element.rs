@@ -86,7 +86,7 @@ impl Element for Array {
         Self::default()
     }
 
-    /// A tuple of numbers is an array of `float64`, as numpy's `asarray` makes one of a list.
+    /// Reads a tuple of numbers as an array of `float64`, as numpy's `asarray` reads a list.
     fn from_value(value: &Value) -> Option<Self> {
         match value {
             Value::Array(array) => Some(array.clone()),

@@ -233,7 +233,7 @@ fn invalid_action(action: &str, space: &str, hint: &str) -> String {
     }
 }
 
-/// A name of any length, as messages quote it: its start, [`printable`].
+/// Returns the start of a name for a message, with unprintable characters escaped.
 pub(crate) fn quoted(name: &str) -> String {
     printable(&shortened(name)).into_owned()
 }
@@ -247,7 +247,7 @@ impl From<SeedError> for Error {
     }
 }
 
-/// The remedy, if one is known.
+/// Returns advice for the user, or an empty text.
 fn advice(source: &std::io::Error) -> &'static str {
     match source.kind() {
         ErrorKind::StorageFull | ErrorKind::QuotaExceeded => {

@@ -39,19 +39,20 @@ impl Fault {
         Self::new(format!("expected {expected}, not {actual}"))
     }
 
-    /// The fault lies in the member under a key.
+    /// Adds to the fault's place the key of the member with the fault.
     #[must_use]
     pub(crate) fn under(self, key: &str) -> Self {
         self.within(format_args!("[{key:?}]"))
     }
 
-    /// The fault lies in the member of an index.
+    /// Adds to the fault's place the index of the member with the fault.
     #[must_use]
     pub(crate) fn at(self, index: usize) -> Self {
         self.within(format_args!("[{index}]"))
     }
 
-    /// The fault lies in the element of an array; `flat` counts in row-major order.
+    /// Adds to the fault's place the indices of the array element with the fault. `flat` is its
+    /// index in row-major order.
     #[must_use]
     pub(crate) fn at_element(self, flat: usize, shape: &[usize]) -> Self {
         let mut rest = flat;
@@ -59,7 +60,7 @@ impl Fault {
             .iter()
             .rev()
             .map(|&n| {
-                // The fault may be a number too many, and the shape empty.
+                // `flat` may be the index of a superfluous number, and an axis may have length 0.
                 let n = n.max(1);
                 let i = rest % n;
                 rest /= n;
@@ -91,7 +92,8 @@ impl fmt::Display for Fault {
     }
 }
 
-/// The array of a value, if it has that shape and its numbers can become numbers of `dtype`.
+/// Returns the array of `value` if the array has the shape `shape` and its numbers can be cast to
+/// `dtype`.
 #[inline]
 pub(crate) fn expect_array<'a>(
     value: &'a Value,

@@ -46,7 +46,7 @@ impl Number {
         }
     }
 
-    /// The number as an `i128`, if it is whole.
+    /// Returns the number as an `i128` if the number is an integer.
     pub(crate) fn to_int(self) -> Option<i128> {
         match self {
             Self::Int(i) => Some(i),
@@ -69,8 +69,8 @@ impl Number {
         (0..data.len()).map(|index| Self::at(data, index))
     }
 
-    /// Whether a number fits a type; fractions are rounded to its precision. Infinities fit the
-    /// real types; NaN fits none.
+    /// Whether `dtype` can represent the number. Fractions are rounded to the precision of `dtype`.
+    /// Infinities fit the float types; NaN fits no type.
     pub(crate) fn fits(self, dtype: DType) -> bool {
         let (min, max) = limits(dtype);
         match self {
@@ -118,7 +118,7 @@ pub(crate) trait Numeric: Scalar + PartialOrd {
     /// 1` for an integer type, rounded to the nearest `f64`.
     fn range_end(self) -> f64;
 
-    /// As numpy's `astype`: a fraction truncates, an integer that is too large wraps.
+    /// Converts as numpy's `astype`: truncates a fraction, and wraps an integer that is too large.
     fn cast(number: Number) -> Self;
 }
 
@@ -184,8 +184,8 @@ fn bits(dtype: DType) -> u32 {
     }
 }
 
-/// numpy's `can_cast(from, to)`: whether every number of one type is a number of the other. As
-/// there, 64-bit integers count as `float64`.
+/// numpy's `can_cast(from, to)`: whether `to` can represent every number of `from`. As in numpy,
+/// `float64` can represent 64-bit integers.
 #[inline]
 pub(crate) fn can_cast(from: DType, to: DType) -> bool {
     from == to || promote(from, to) == to
@@ -216,8 +216,8 @@ fn wider(a: DType, b: DType) -> DType {
     if bits(a) >= bits(b) { a } else { b }
 }
 
-/// numpy's `result_type` of some types; `None` for no types. A real type among them is promoted
-/// with each of the others, rather than with the type that those have in common.
+/// numpy's `result_type` of `dtypes`; `None` for no types. If there is a float type, the function
+/// promotes it with each other type one by one, rather than with the common type of the others.
 pub(crate) fn result_type(dtypes: impl IntoIterator<Item = DType>) -> Option<DType> {
     let mut dtypes: Vec<_> = dtypes.into_iter().collect();
     dtypes.sort_by_key(|dtype| !dtype.is_float());

@@ -17,7 +17,7 @@ fn with<R>(data: &Data, f: impl FnOnce(Numbers<'_>) -> R) -> R {
     }
 }
 
-/// A bound as `Box` prints it: one number if all are equal, else the array.
+/// Formats a bound as Gymnasium's `Box` does: one number if all numbers are equal, else the array.
 pub(crate) fn bound(data: &Data, shape: &[usize]) -> String {
     let mut numbers = Number::all(data);
     match numbers.next() {
@@ -82,7 +82,7 @@ mod tests {
             f64s([1e100, 2.0, f64::INFINITY]),
             "[1.e+100 2.e+000     inf]"
         );
-        // Digits beyond the shortest are those of the exact value.
+        // After the shortest digits, numpy prints the digits of the exact value.
         assert_eq!(f32s([4.8, 3_402_823.5]), "[4.8000002e+00 3.4028235e+06]");
     }
 
@@ -140,7 +140,7 @@ mod tests {
         assert_eq!(text(1e6), "1e+06");
         assert_eq!(text(f32::MAX), "3.4028235e+38");
         assert_eq!(text(0.1), "0.1");
-        // Exactly 3077606.25, half way between two decimals of 8 digits.
+        // The exact value is 3077606.25, a tie between two decimals of 8 digits.
         assert_eq!(text(3_077_606.3), "3.0776062e+06");
     }
 

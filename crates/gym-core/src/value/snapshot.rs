@@ -56,7 +56,7 @@ impl Snapshot {
     /// The name of the environment inside all wrappers, if [`with_config`](Self::with_config) took
     /// the snapshot.
     fn env(&self) -> Option<&str> {
-        // a wrapper's snapshot is a list that begins with the inner one
+        // a wrapper's snapshot is a list that begins with the inner environment's snapshot
         let mut json = &self.0;
         while let Json::Array(items) = json {
             json = items.first()?;

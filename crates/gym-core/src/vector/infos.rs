@@ -6,7 +6,7 @@ use super::{Columns, VectorEnv};
 use crate::value::number::{Number, Numeric, with_type};
 use crate::value::{Array, DType, Info, Value};
 
-/// See [`VectorEnvExt::infos`].
+/// See [`VectorEnvExt::infos`](super::VectorEnvExt::infos).
 pub(super) fn batch<V: VectorEnv + ?Sized>(envs: &V, columns: &Columns) -> Info {
     let n = envs.num_envs();
     let space = columns
@@ -59,7 +59,7 @@ struct Group {
     columns: BTreeMap<String, (Values, Vec<bool>)>,
 }
 
-/// The values of one key. Missing ones are zero, `false` or `Null`.
+/// The values of one key. A missing value is zero, `false` or `Null`.
 enum Values {
     Numbers(Array),
     Flags(Vec<bool>),

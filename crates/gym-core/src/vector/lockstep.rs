@@ -75,14 +75,15 @@ pub(crate) trait SlotGroup<E>: Send {
     /// Prefetches the memory of the environment in `slot`.
     fn prefetch(&self, slot: &Slot<E>);
 
-    /// Begins the next reset or step of `slot`. If that panics, the call itself returns the error.
+    /// Begins the next reset or step of `slot`. If `begin` panics, the slot's next call returns the
+    /// error.
     fn begin(&mut self, slot: &mut Slot<E>, request: &Request);
 
     /// Computes the shared part for all slots that have begun.
     fn solve(&mut self);
 
-    /// Gives `slot` the result of [`solve`](Self::solve), before it serves its request. If that
-    /// panics, the call itself returns the error.
+    /// Gives `slot` the result of [`solve`](Self::solve), before `slot` serves its request. If
+    /// `solve` panics, the slot's next call returns the error.
     fn collect(&mut self, slot: &mut Slot<E>, request: &Request);
 }
 

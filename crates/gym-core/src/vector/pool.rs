@@ -42,14 +42,15 @@ use crate::value::{Error, Result, Snapshot, Value};
 pub struct AsyncVectorEnv<E: Env = BoxEnv> {
     /// Each sub-environment by its index; `None` while a worker owns it.
     home: Vec<Option<Box<Slot<E>>>>,
-    /// Groups of one sub-environment each, with results that were not yet received.
+    /// Groups of one sub-environment, with results that the caller has not received.
     ready: VecDeque<Group<E>>,
     /// Groups that are packed and not yet sent.
     outgoing: Vec<Group<E>>,
-    /// Whether every sub-environment can take a step: each did in the last call, and `call` lent
-    /// none since.
+    /// Whether every sub-environment can take a step: each took a step in the last call, and `call`
+    /// has lent no sub-environment since.
     all_go_on: bool,
-    /// Steps the sub-environments of a group together; `None` if they cannot.
+    /// Steps the sub-environments of a group together; `None` if the environments do not implement
+    /// [`Lockstep`](super::lockstep::Lockstep).
     lockstep: Option<Box<dyn SlotGroup<E>>>,
     pool: Pool<E>,
     spaces: Arc<Spaces>,
@@ -65,7 +66,8 @@ struct Group<E> {
     indices: Vec<usize>,
     slots: Vec<Box<Slot<E>>>,
     requests: Vec<Request>,
-    /// The actions, at least one for each slot; their storage is reused. A reset ignores them.
+    /// The actions, at least one for each slot. Later calls reuse the storage. A reset ignores the
+    /// actions.
     actions: Vec<Value>,
     /// The results, at least one row for each slot.
     columns: Columns,
@@ -256,7 +258,7 @@ impl<E: Env> AsyncVectorEnv<E> {
             && let Some(group) = self.ready.remove(failed)
         {
             return self
-                .welcome(group)
+                .take_back(group)
                 .map_or(Ok(()), |(index, error)| Err(error.at_env(index)));
         }
         columns.prepare(&self.spaces.observation, m)?;
@@ -269,7 +271,7 @@ impl<E: Env> AsyncVectorEnv<E> {
             ids.extend(&group.indices);
             result =
                 result.and(columns.copy_rows(&self.spaces.observation, row, &group.columns, 0..1));
-            self.welcome(group);
+            self.take_back(group);
         }
         result
     }
@@ -312,9 +314,9 @@ impl<E: Env> AsyncVectorEnv<E> {
         share.div_ceil(together).div_ceil(GROUPS_PER_THREAD) * together
     }
 
-    /// Moves the sub-environments with a request into a group, which has room for `room` of them.
-    /// Steps take the rows of `actions` from the given one on. After an error, call
-    /// [`unpack`](Self::unpack).
+    /// Moves the sub-environments with a request into a group with room for `room`
+    /// sub-environments. Steps take the rows of `actions` from the given one on. After an error,
+    /// call [`unpack`](Self::unpack).
     fn pack(
         &mut self,
         indices: Range<usize>,
@@ -358,7 +360,7 @@ impl<E: Env> AsyncVectorEnv<E> {
     /// Takes the sub-environments of all packed groups back, and returns `error`.
     fn unpack(&mut self, error: Error) -> Result<()> {
         while let Some(group) = self.outgoing.pop() {
-            self.welcome(group);
+            self.take_back(group);
         }
         Err(error)
     }
@@ -376,7 +378,7 @@ impl<E: Env> AsyncVectorEnv<E> {
     }
 
     /// Takes back the sub-environments of a group, and returns the first error.
-    fn welcome(&mut self, mut group: Group<E>) -> Option<(usize, Error)> {
+    fn take_back(&mut self, mut group: Group<E>) -> Option<(usize, Error)> {
         let Group {
             indices,
             slots,
@@ -440,7 +442,7 @@ impl<E: Env> AsyncVectorEnv<E> {
                     columns.copy_rows(&self.spaces.observation, run[0], &group.columns, rows);
                 result = result.and(copied);
             }
-            if let Some(error) = self.welcome(group)
+            if let Some(error) = self.take_back(group)
                 && failed.as_ref().is_none_or(|first| error.0 < first.0)
             {
                 failed = Some(error);
@@ -551,7 +553,7 @@ impl<E: Env> VectorEnv for AsyncVectorEnv<E> {
             }
         }
         while let Some(group) = self.ready.pop_front() {
-            self.welcome(group);
+            self.take_back(group);
         }
         self.home.iter_mut().flatten().for_each(|slot| slot.close());
     }

@@ -30,7 +30,8 @@ pub(super) fn check_rows(n: usize, observation: &Space) -> Result<()> {
     check_bytes(n, observation, 0)
 }
 
-/// As [`check_rows`]; each sub-environment takes `bytes` beside its row.
+/// Checks the memory of `n` rows as [`check_rows`] does, with `bytes` more for each
+/// sub-environment.
 fn check_bytes(n: usize, observation: &Space, bytes: usize) -> Result<()> {
     let numbers = observation.len_of_row();
     check_len(n, numbers)?;
@@ -44,7 +45,7 @@ fn check_bytes(n: usize, observation: &Space, bytes: usize) -> Result<()> {
     ))
 }
 
-/// Whether a batch can have `n` elements of this many numbers.
+/// Checks that a batch can have `n` elements of `numbers` numbers.
 fn check_len(n: usize, numbers: usize) -> Result<()> {
     let most = MAX_ELEMENTS / numbers.max(1);
     if n <= most {
@@ -56,7 +57,7 @@ fn check_len(n: usize, numbers: usize) -> Result<()> {
     Err(Error::argument("a vector", reason))
 }
 
-/// Whether the system has this much memory.
+/// Whether the system can allocate `bytes` bytes.
 fn fits(bytes: Option<usize>) -> bool {
     let mut probe = Vec::<u8>::new();
     let reserved = bytes.is_some_and(|bytes| probe.try_reserve_exact(bytes).is_ok());
@@ -103,7 +104,7 @@ mod tests {
                 .to_string()
                 .contains(&reason)
         );
-        // the size of each besides its row
+        // the memory of each sub-environment, besides its row
         for bytes in [usize::MAX, usize::MAX / 8, usize::MAX / 16] {
             assert!(
                 refusal(16, bytes)

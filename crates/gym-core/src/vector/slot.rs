@@ -20,12 +20,12 @@ pub(crate) struct Slot<E> {
     /// The buffer of the next observation; if `has_final`, the last observation of the episode.
     spare: Value,
     outcome: Outcome,
-    /// The last request, if it succeeded.
+    /// What the last request did, if the request succeeded.
     progress: Progress,
     has_final: bool,
     final_info: Vec<(String, Value)>,
     stage: Stage,
-    /// The panic of a part of the next call that ran ahead of it.
+    /// The panic of a part of the next call, run in advance by [`run_part`](Self::run_part).
     panicked_part: Option<Error>,
 }
 
@@ -139,8 +139,8 @@ impl<E: Env> Slot<E> {
         self.stage == Stage::Done
     }
 
-    /// Runs a part of the next call ahead of it. If the part panics, that call returns the error,
-    /// and the other parts are skipped.
+    /// Runs a part of the next call in advance. If the part panics, the next call returns the
+    /// error, and `run_part` skips the other parts.
     pub(super) fn run_part(&mut self, part: impl FnOnce(&mut Self)) {
         if self.panicked_part.is_none() {
             let result = self.guard(|slot| {
@@ -228,8 +228,8 @@ impl<E: Env> Slot<E> {
         Ok(outcome)
     }
 
-    /// Resets or steps the environment. After an error there is no reward, flag or info; after a
-    /// panic it must be reset.
+    /// Resets or steps the environment. After an error there is no reward, flag or info. After a
+    /// panic the environment must be reset.
     fn call(&mut self, request: impl FnOnce(&mut Self) -> Result<()>) -> Result<()> {
         self.clear();
         let result = self.guard(request);
@@ -305,7 +305,7 @@ impl<E: Env> Slot<E> {
         })
     }
 
-    /// Whether [`restore`](Self::restore) would be refused: tries it on a clone.
+    /// Calls [`restore`](Self::restore) on a clone, and returns the error.
     pub(super) fn check_restore(&self, spaces: &Spaces, stored: &StoredSlot) -> Result<()> {
         if self.stage == Stage::Closed {
             return Err(Error::Closed("restore"));
@@ -359,8 +359,8 @@ pub(super) struct Spaces {
 }
 
 impl Spaces {
-    /// The batched observation space of `n` sub-environments. Its bounds are as large as the
-    /// observations, so it is made on request.
+    /// The batched observation space of `n` sub-environments. The bounds need as much memory as the
+    /// observations, so the space is made on request.
     pub(super) fn observations(&self, n: usize) -> Result<Space> {
         self.differing
             .clone()
@@ -389,7 +389,7 @@ pub(super) fn snapshot<'a, E: Env>(
     })
 }
 
-/// Restores all sub-environments, or none if one refuses.
+/// Restores all sub-environments. If a sub-environment refuses its snapshot, restores none.
 pub(super) fn restore<E: Env>(
     snapshot: &Snapshot,
     autoreset: Autoreset,
@@ -445,7 +445,8 @@ pub(crate) fn make_envs<E: Env>(
 
 /// The sub-environments of a vector.
 ///
-/// Fails if there are none, or if their spaces differ by more than the mode allows.
+/// Returns an error if there are no sub-environments, or if their spaces differ by more than the
+/// mode allows.
 pub(super) fn slots<E: Env>(
     envs: impl IntoIterator<Item = E>,
     mode: ObservationMode,

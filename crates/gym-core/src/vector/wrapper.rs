@@ -158,7 +158,7 @@ impl<W: VectorWrapper> VectorEnv for W {
     methods!(all forward! calls);
 }
 
-/// A box changes nothing, not even the description.
+/// A box forwards every method, and does not appear in the description.
 impl VectorEnv for Box<dyn VectorEnv> {
     fn within(&self) -> Option<&dyn VectorEnv> {
         Some(&**self)

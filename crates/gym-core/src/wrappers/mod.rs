@@ -17,8 +17,8 @@ pub use render_collection::RenderCollection;
 pub use time_limit::{StepCount, TimeLimit};
 
 /// The accessors of a wrapper whose inner environment or vector is its field `inner`: `inner!(E)`
-/// those of a [`Wrapper`](crate::Wrapper), `inner!(dyn)` those of a
-/// [`VectorWrapper`](crate::VectorWrapper), `inner!(impl Name<E>)` those of the type.
+/// for a [`Wrapper`](crate::Wrapper), `inner!(dyn)` for a [`VectorWrapper`](crate::VectorWrapper),
+/// `inner!(impl Name<E>)` for inherent methods of the type.
 #[doc(hidden)]
 #[macro_export]
 macro_rules! inner {

@@ -16,7 +16,8 @@ pub struct OrderEnforcing<E = BoxEnv> {
 enum Stage {
     Made,
     Reset,
-    /// Whether it is closed. Not in snapshots, so restoring one cannot close an environment.
+    /// The environment is closed. Snapshots do not contain this, so restoring a snapshot cannot
+    /// close an environment.
     #[serde(skip)]
     Closed,
 }
@@ -101,7 +102,8 @@ impl<E: Env> crate::env::Wrapper for OrderEnforcing<E> {
     }
 
     fn on_spec(&self) -> Option<EnvSpec> {
-        // inside all other wrappers it is that of `make`; further out, an additional one
+        // inside all other wrappers, this wrapper is the one of `make`; further outside, an
+        // additional wrapper
         self.inner
             .spec()
             .map(|spec| match spec.additional_wrappers.is_empty() {

@@ -85,7 +85,8 @@ impl<E: Env> crate::env::Wrapper for PassiveEnvChecker<E> {
     }
 
     fn on_spec(&self) -> Option<EnvSpec> {
-        // inside all other wrappers it is that of `make`; further out, an additional one
+        // inside all other wrappers, this wrapper is the one of `make`; further outside, an
+        // additional wrapper
         self.inner
             .spec()
             .map(|spec| match spec.additional_wrappers.is_empty() {

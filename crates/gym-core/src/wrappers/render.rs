@@ -26,11 +26,11 @@ pub struct Render<E = BoxEnv> {
 
 /// The window of the mode `human`.
 enum Window {
-    /// No window is wanted, or it was closed.
+    /// The render mode has no window, or the window was closed.
     None,
-    /// It opens with the first picture.
+    /// The window opens with the first frame.
     Wanted,
-    /// It is open, and shows the frame.
+    /// The window is open, and shows the frame.
     Open(Box<dyn Screen>, Frame),
 }
 
@@ -113,8 +113,8 @@ impl<E: Env> Render<E> {
         })
     }
 
-    /// Opens the window, if one is wanted, before the environment changes: if the window cannot be
-    /// opened, the environment is unchanged.
+    /// Opens a [`Window::Wanted`] before the environment changes: if the window cannot be opened,
+    /// the environment is unchanged.
     fn open(&mut self) -> Result<()> {
         if let Window::Wanted = self.window
             && let Some(open) = open_screen()

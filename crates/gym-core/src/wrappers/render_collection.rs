@@ -85,7 +85,7 @@ impl<E: Env> crate::env::Wrapper for RenderCollection<E> {
         Ok(())
     }
 
-    /// Drops the collected frames, which belong to the abandoned history.
+    /// Drops the collected frames, which are from before the restore.
     fn on_restore(&mut self, snapshot: &Snapshot) -> Result<()> {
         self.inner.restore(snapshot)?;
         self.items.clear();

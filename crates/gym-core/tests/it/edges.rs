@@ -266,7 +266,7 @@ fn the_count_of_the_nearest_limit_is_shown() {
     }
 }
 
-/// A wrapper around a `RenderCollection` stays outside of it, in the spec too.
+/// A wrapper around a `RenderCollection` stays outside of the `RenderCollection`, in the spec too.
 #[test]
 fn a_collection_stays_inside_of_a_later_wrapper() {
     let mut spec = make("edges/Count-v0").unwrap().spec().unwrap();
@@ -301,7 +301,7 @@ fn a_limit_holds_from_the_step_that_is_restored() {
     assert!(step.terminated && step.truncated);
 }
 
-/// A mask that allows no character gives the empty text, if it is in the space.
+/// A mask that allows no character gives the empty text, if the space has the empty text.
 #[test]
 fn a_mask_of_no_character_gives_the_empty_text() {
     let text = |min| TextSpace::new(min, 5).unwrap().with_charset("abc").unwrap();

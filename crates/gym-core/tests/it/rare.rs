@@ -266,8 +266,8 @@ impl Env for Told {
     }
 }
 
-/// The checker checks resets until one was valid, and steps until one was valid. It skips episodes
-/// whose reset has options.
+/// The checker checks resets until the first valid reset, and steps until the first valid step. The
+/// checker skips episodes whose reset has options.
 #[test]
 fn the_passive_checker_looks_until_it_has_seen_a_sound_answer() {
     /// The calls: reset (`r`), reset with an option (`o`) or step (`s`). For each: the observation

@@ -247,7 +247,7 @@ impl Instr {
         }
     }
 
-    /// Returns the number of walks that the task needs. It determines the step limit.
+    /// Returns the number of walks that the task needs, which determines the step limit.
     pub(crate) fn walks(&self) -> u32 {
         match self {
             Self::PutNext { .. } => 2,

@@ -103,8 +103,8 @@ impl LevelGen {
         })
     }
 
-    /// Draws descriptions until one fits an object. If the instruction may not need a locked room,
-    /// this object is outside of the locked room `locked`.
+    /// Draws descriptions until a description fits an object. If the instruction may not need a
+    /// locked room, this object is outside of the locked room `locked`.
     fn object(
         &self,
         rooms: &mut Rooms<'_, '_>,

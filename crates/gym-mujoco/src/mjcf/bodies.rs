@@ -57,8 +57,8 @@ impl<'s> Bodies<'s> {
         }
     }
 
-    /// Reads the bodies of the world, each after its parent and before its children. It does not
-    /// recurse: deep nesting would overflow the stack.
+    /// Reads the bodies of the world, each after its parent and before its children. The function
+    /// does not recurse, because deep nesting would overflow the stack.
     pub(super) fn read(mut self, world: Element<'_, '_>) -> Result<()> {
         let children = world.children()?.into_iter();
         let mut open = vec![Open {

@@ -40,7 +40,7 @@ impl Default for Classes {
 }
 
 impl Classes {
-    /// Reads a `default` section. It changes the classes for the elements after it.
+    /// Reads a `default` section, which changes the classes for the elements after the section.
     pub(super) fn read(&mut self, mut section: Element<'_, '_>, revision: Revision) -> Result<()> {
         match section.text("class") {
             Some(name) if name != MAIN => Err(section.place().attribute(
@@ -51,8 +51,8 @@ impl Classes {
         }
     }
 
-    /// Reads the values of each class, then its subclasses, which inherit them. It does not
-    /// recurse: deep nesting would overflow the stack.
+    /// Reads the values of each class, then its subclasses, which inherit them. The function does
+    /// not recurse, because deep nesting would overflow the stack.
     fn read_classes(&mut self, main: Element<'_, '_>, revision: Revision) -> Result<()> {
         let mut waiting = vec![(main, None)];
         while let Some((mut section, parent)) = waiting.pop() {
@@ -128,7 +128,7 @@ impl Classes {
         Ok(within)
     }
 
-    /// The class that an attribute names; without it, `inherited`.
+    /// The class that an attribute names; `inherited` without the attribute.
     pub(super) fn named(
         &self,
         element: &mut Element<'_, '_>,

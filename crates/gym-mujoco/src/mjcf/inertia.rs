@@ -185,9 +185,9 @@ pub(super) fn combine(parts: &[Inertia], revision: Revision) -> Option<Inertia> 
 /// their axes: Jacobi's method on a quaternion, in the order of `mju_eig3`, because a principal
 /// frame is only determined up to the choices made on the way.
 ///
-/// From MuJoCo 3.14 on, it stops when the largest off-diagonal element is small relative to the
-/// largest element of the matrix, no longer by absolute limits, and computes half the turn from its
-/// tangent.
+/// From MuJoCo 3.14 on, the iteration stops when the largest off-diagonal element is small relative
+/// to the largest element of the matrix, no longer by absolute limits, and computes half the turn
+/// from its tangent.
 pub(super) fn principal_axes(
     [xx, yy, zz, xy, xz, yz]: [f64; 6],
     revision: Revision,

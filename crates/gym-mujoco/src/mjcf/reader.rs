@@ -62,7 +62,7 @@ impl Reader<'_> {
                 "option" => self.read_option(section)?,
                 "size" => self.read_size(section)?,
                 "statistic" => self.read_statistic(section)?,
-                // read and ignored: only MuJoCo's own viewer shows it
+                // only MuJoCo's own viewer uses these sections
                 "visual" | "custom" => {}
                 name if SECTIONS.contains(&name) => {}
                 _ => return Err(root.unsupported(&section, &SECTIONS)),
@@ -128,7 +128,8 @@ impl Reader<'_> {
         );
         let cones = [("pyramidal", Cone::Pyramidal), ("elliptic", Cone::Elliptic)];
         replace(&mut option.cone, element.keyword("cone", &cones)?);
-        // how the Jacobian is stored in MuJoCo; the results are the same
+        // `jacobian` selects the storage of the Jacobian in MuJoCo. The results do not depend on
+        // it.
         let jacobians = [("dense", 0), ("sparse", 1), ("auto", 2)];
         replace(
             &mut option.jacobian,

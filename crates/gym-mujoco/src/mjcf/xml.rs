@@ -43,7 +43,7 @@ const MAX_DEPTH: usize = 200;
 /// The place of an element in the text, for errors that are found after reading.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct Place {
-    /// The included file that contains it; empty for the text itself.
+    /// The path of an included file that contains the element; empty for the text itself.
     file: String,
     line: u32,
     element: String,
@@ -116,8 +116,8 @@ impl<'a, 'input> Element<'a, 'input> {
         Place::new(self.files.name(self.file), self.line, self.name())
     }
 
-    /// The child elements. Those of an `include` are the child elements of the outermost element of
-    /// its file. Texts and comments are ignored.
+    /// Returns the child elements. The child elements of the root element of an included file
+    /// replace an `include` element. Texts and comments are ignored.
     ///
     /// # Errors
     /// For an element of another namespace, and for nesting that is too deep.
@@ -127,7 +127,7 @@ impl<'a, 'input> Element<'a, 'input> {
         Ok(children)
     }
 
-    /// It recurses only into included files, of which there are few.
+    /// Recurses into included files only. Their number is limited.
     fn add_children(
         &self,
         parent: Node<'a, 'input>,

@@ -77,8 +77,8 @@ pub(super) fn transmits(m: &CompiledModel) -> bool {
     !motors(m) || m.sensor_objtype.contains(&ObjectType::Actuator)
 }
 
-/// The period of each actuator's setpoint if it is an angle of a ball joint or between sites, else
-/// 0: MuJoCo's `wrapPeriod`.
+/// The period of each actuator's setpoint: a full turn for an angle of a ball joint or between
+/// sites, else 0: MuJoCo's `wrapPeriod`.
 pub(super) fn periods(m: &CompiledModel) -> Vec<f64> {
     let length = |v: &[f64]| (v[0] * v[0] + v[1] * v[1] + v[2] * v[2]).sqrt();
     let period = |i: usize| {

@@ -137,7 +137,7 @@ pub(crate) fn meetings(trees: [&Tree; 2], geoms: [usize; 2]) -> impl Iterator<It
         if single == [true; 2] {
             return None;
         }
-        // descends into the box that is larger, by MuJoCo's measure of its surface
+        // descends into the larger box, by MuJoCo's measure of the surface
         let surface = |node: &Node| {
             let [x, y, z] = sub(node.bounds[1], node.bounds[0]);
             x * y + y * z + z * x

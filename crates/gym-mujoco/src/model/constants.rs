@@ -39,7 +39,7 @@ impl Model {
     pub fn change(&mut self, change: impl FnOnce(&mut CompiledModel)) -> Result<()> {
         let mut figures = Box::new(self.compiled.clone());
         change(&mut figures);
-        // check lengths and ids before anything is computed from them
+        // check lengths and ids before the first computation with them
         let mut figures = Box::new(boxed(*figures)?.into_compiled());
         bound_geoms(&mut figures);
         mark_simple(&mut figures);
@@ -90,9 +90,9 @@ fn add_subtree_masses(m: &mut CompiledModel) {
     }
 }
 
-/// Sets `body_simple`, which marks bodies whose part of the inertia matrix is diagonal. They have
-/// no children, a parent that is fixed in the world, an inertial frame equal to the body's, and
-/// joints along coordinate axes: slides, then at most one hinge.
+/// Sets `body_simple`, which marks bodies whose part of the inertia matrix is diagonal. Such bodies
+/// have no children, a parent that is fixed in the world, an inertial frame equal to the body's,
+/// and joints along coordinate axes: slides, then at most one hinge.
 pub(crate) fn mark_simple(m: &mut CompiledModel) {
     m.body_simple.clear();
     for b in 0..m.nbody() {

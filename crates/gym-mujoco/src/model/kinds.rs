@@ -68,7 +68,7 @@ numbered! {
         Cylinder = 5,
         /// A box.
         Box = 6,
-        /// A mesh, which only pictures show: it has no size here, and no contacts.
+        /// A mesh. Meshes have no size and no contacts here.
         Mesh = 7,
     }
 }
@@ -128,7 +128,7 @@ numbered! {
     WrapType, "wrap type" {
         /// A joint of a fixed tendon.
         Joint = 1,
-        /// A pulley: the lengths after it are divided by its divisor.
+        /// A pulley: the lengths after the pulley are divided by its divisor.
         Pulley = 2,
         /// A site that the tendon passes through.
         Site = 3,

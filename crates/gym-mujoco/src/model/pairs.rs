@@ -18,8 +18,8 @@ pub(crate) struct Pair {
     pub(crate) margin: f64,
     /// Contacts act below this distance.
     pub(crate) includemargin: f64,
-    /// The geoms cannot touch if their centres are further apart than this; for a plane, if the
-    /// other centre is higher above it.
+    /// The distance of the centres above which the geoms cannot touch. If one geom is a plane: the
+    /// height of the other geom's centre above the plane.
     pub(crate) reach: f64,
     /// Whether boxes around the geoms must overlap too. MuJoCo skips this test (its middle phase)
     /// for bodies with one geom each, and for pairs that the model lists.
@@ -60,14 +60,14 @@ impl Pair {
     }
 }
 
-/// The distance test of a pair. It is separate from [`Pair`] because few pairs pass it: the test
-/// reads less memory.
+/// The distance test of a pair. Few pairs pass the test, so `Reach` is separate from [`Pair`]: the
+/// test reads less memory.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Reach {
     pub(crate) geom: [usize; 2],
     pub(crate) plane: bool,
-    /// The largest height of the second centre above a plane, or the square of the largest distance
-    /// of the centres.
+    /// The largest value for which the geoms can touch: of the height of the second centre above
+    /// the plane, or of the squared distance of the centres.
     pub(crate) most: f64,
 }
 
@@ -90,14 +90,14 @@ impl Reach {
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Column {
     pub(crate) dof: usize,
-    /// The root of the tree of the body that it moves.
+    /// The root of the tree of the body that the degree of freedom moves.
     pub(crate) root: usize,
     pub(crate) sign: f64,
 }
 impl Plan {
     /// All pairs in the order of MuJoCo's `mj_collision`: by bodies, then by the geoms of the pair.
     pub(super) fn find_pairs(&self, m: &CompiledModel) -> Result<Vec<Pair>> {
-        /// The limit over all pairs; a model beyond it would take gigabytes.
+        /// The limit over all pairs. A model above this limit would take gigabytes.
         const MOST_COLUMNS: usize = 4_000_000;
         let mut excluded = m.exclude_signature.clone();
         excluded.sort_unstable();

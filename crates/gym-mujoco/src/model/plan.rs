@@ -51,11 +51,12 @@ pub(crate) struct Plan {
     pub(crate) limits: Vec<Limit>,
     /// Equality constraints, dry friction and tendon limits.
     pub(crate) constraints: ModelConstraints,
-    /// Whether all rows only push, so that rows need no type.
-    pub(crate) plain: bool,
+    /// Whether all constraint rows are inequalities: limits, and contacts without elliptic cones.
+    /// Solvers then need not read the type of a row.
+    pub(crate) inequalities_only: bool,
     /// Tendons.
     pub(crate) paths: Paths,
-    /// Whether all actuators are plain motors on slides and hinges.
+    /// Whether all actuators are motors (constant gain, no bias) on slides and hinges.
     pub(crate) motors: bool,
     /// Whether all actuator forces on degrees of freedom depend on controls alone.
     pub(crate) steady: bool,
@@ -63,9 +64,9 @@ pub(crate) struct Plan {
     pub(crate) servos: bool,
     /// Whether the engine must compute lengths and velocities of actuators.
     pub(crate) transmits: bool,
-    /// The period of each actuator's setpoint if it is an angle; 0 for others.
+    /// The period of each actuator's setpoint if the setpoint is an angle; 0 for others.
     pub(crate) periods: Vec<f64>,
-    /// Whether a tendon limits the total actuator force on it.
+    /// Whether a tendon limits the total force of its actuators.
     pub(crate) tendon_forces: bool,
     /// Whether a body has gravity compensation.
     pub(crate) gravcomp: bool,
@@ -81,13 +82,14 @@ pub(crate) struct Plan {
     pub(crate) gravity: [f64; 3],
     /// Whether Euler's method treats damping implicitly.
     pub(crate) damped: bool,
-    /// Whether the model's integrator is Euler and it treats damping implicitly.
+    /// Whether the model's integrator is Euler with implicit damping.
     pub(crate) implicit: bool,
     /// Joints with springs.
     pub(crate) springs: Vec<usize>,
     /// With a fluid: the bodies with mass, and for each the edges of the box of equal inertia.
     pub(crate) boxes: Vec<(usize, Option<[f64; 3]>)>,
-    /// The free bodies of their own, whose six equations `implicitfast` solves by themselves.
+    /// The bodies with a free joint and no child joints. `implicitfast` solves the six equations of
+    /// each separately.
     pub(crate) free_bodies: Vec<usize>,
     /// The pose of each body in its parent's frame, of its principal axes in its own frame, and of
     /// each site in its body's frame.
@@ -104,7 +106,7 @@ pub(crate) struct Plan {
     pub(crate) anchored: Vec<bool>,
 }
 
-/// A pose in another frame, without the parts that are zero.
+/// Which parts of a relative pose are not the identity.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Placed {
     pub(crate) moved: bool,
@@ -120,8 +122,8 @@ impl Placed {
         }
     }
 
-    /// A pose in the body's frame. A frame that is nearly equal to the body's is replaced by it:
-    /// MuJoCo's `sameframe`.
+    /// A pose in the body's frame. The body's frame replaces a frame that is nearly equal: MuJoCo's
+    /// `sameframe`.
     fn within(pos: &[f64; 3], quat: &[f64; 4]) -> Self {
         let turned = !same_quat(quat, &[1.0, 0.0, 0.0, 0.0]);
         Self {
@@ -254,7 +256,7 @@ impl Plan {
             deep: false,
             sizes: [0; 15],
             limits: Vec::new(),
-            plain: {
+            inequalities_only: {
                 let elliptic = m.opt.cone == Cone::Elliptic;
                 !elliptic && !ModelConstraints::new(m).can_pull()
             },
@@ -358,7 +360,7 @@ impl Plan {
             bounds.blocks += contacts;
             bounds.rows += contacts * pair.rows;
         }
-        // hardly any state reaches this number of rows: beyond it, buffers grow on demand
+        // few states reach this number of rows; for more rows, buffers grow on demand
         const MOST_ROWS: usize = 4000;
         if bounds.rows > MOST_ROWS {
             Bounds::default()

@@ -78,7 +78,8 @@ fn general(m: &Model, d: &mut Data) {
     joints(m, d);
 }
 
-/// Clamps controls to their ranges. If one is invalid, all are zero.
+/// Clamps controls to their ranges. If a control is NaN, or exceeds `MAXVAL` after the clamp, all
+/// controls are zero.
 fn controls(m: &Model, d: &Data, ctrl: &mut Vec<f64>) {
     ctrl.clear();
     ctrl.extend_from_slice(&d.ctrl);
@@ -173,7 +174,7 @@ fn bias(m: &Model, d: &Data, i: usize) -> f64 {
     }
 }
 
-/// Among setpoints that differ by full turns, the one nearest to `length`.
+/// Returns `setpoint` plus the number of full turns that brings the result nearest to `length`.
 fn nearest(m: &Model, i: usize, setpoint: f64, length: f64) -> f64 {
     let period = m.plan().periods[i];
     if period > 0.0 {

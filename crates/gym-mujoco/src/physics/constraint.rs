@@ -80,9 +80,9 @@ pub(crate) enum Kind {
     Equality,
     /// In both directions, up to the friction loss.
     Friction,
-    /// They only push.
+    /// Inequality: forces are not negative.
     Limit,
-    /// They push within an elliptic cone.
+    /// Inequality: the force is within an elliptic friction cone.
     Cone,
 }
 
@@ -149,8 +149,8 @@ impl Constraints {
         self.nisland = 0;
     }
 
-    /// Replaces all rows by rows of one tree that only push. `jac` has their Jacobians, `nv`
-    /// numbers each; `numbers` gives `d`, `r` and `aref` of each.
+    /// Replaces all rows by `rows` inequality rows of one tree. `jac` has the Jacobian of each row,
+    /// `nv` numbers; `numbers` returns `d`, `r` and `aref` of a row.
     pub(super) fn set_rows(
         &mut self,
         rows: usize,
@@ -382,7 +382,7 @@ pub(super) fn contact_jacobian<N: Number>(
         let c = axis(column.dof);
         let offset = sub(pos, com(column.root));
         let moves = add([c[3], c[4], c[5]], cross([c[0], c[1], c[2]], offset));
-        // libmujoco's sums start with 0, and so are never -0
+        // libmujoco's sums start with 0, so no sum is -0
         if pair.dim == 1 {
             let along = dot([frame[0], frame[1], frame[2]], moves);
             set(column.dof, [along * column.sign + 0.0; 4]);
@@ -431,8 +431,9 @@ pub(super) fn regularization(impedance: f64, diag: f64) -> f64 {
     f64::max(1e-15, (1.0 - impedance) * diag / impedance)
 }
 
-/// For the edges of a pyramid with friction `mu`: their diagonal, and the function from a row's
-/// regularisation to theirs. The pyramid then is as soft as the cone within it.
+/// Returns the diagonal of the rows of a friction pyramid with the coefficient `mu`, and the
+/// function from the regularisation of the normal row to the regularisation of the pyramid's rows.
+/// With these, the pyramid is as soft as an elliptic cone.
 #[inline(always)]
 pub(super) fn pyramid(diag: f64, mu: f64) -> (f64, impl Fn(f64) -> f64) {
     (diag + mu * mu * diag, move |r: f64| 2.0 * mu * mu * r)
@@ -527,7 +528,7 @@ fn islands(m: &Model, d: &mut Data) {
         d.efc.nisland = 1;
         return;
     }
-    // for each tree, the smallest tree that a constraint connects it to
+    // for each tree, the smallest index of a connected tree
     let least = &mut work.tree_least;
     least.clear();
     least.extend(0..trees);

@@ -5,7 +5,7 @@
 //! a sum is part of its last bit, so every scalar product over degrees of freedom or rows is one of
 //! these, zeros included.
 
-/// Four neighbours of a vector. Elements after the end of the vector are zero.
+/// Four consecutive elements of a vector. Elements after the end of the vector are zero.
 pub(crate) type Lanes = [f64; 4];
 
 /// The number of groups of four that hold `n` elements.
@@ -45,7 +45,7 @@ pub(crate) fn dot(a: &[Lanes], b: &[Lanes], n: usize) -> f64 {
     }
 }
 
-/// The product of two plain vectors: MuJoCo's `mju_dot`.
+/// The dot product of two slices: MuJoCo's `mju_dot`.
 pub(crate) fn dot_slices(a: &[f64], b: &[f64]) -> f64 {
     let ((a, a_rest), (b, b_rest)) = (a.as_chunks::<4>(), b.as_chunks::<4>());
     let sum = dot(a, b, 4 * a.len());
@@ -58,7 +58,7 @@ pub(crate) fn dot_slices(a: &[f64], b: &[f64]) -> f64 {
 }
 
 /// The scalar product of `a` with the elements `columns` of `x`: MuJoCo's `mju_dotSparse`, which
-/// adds the rest one by one.
+/// adds the products after the last full group of four one by one.
 #[inline(always)]
 pub(crate) fn dot_sparse(a: &[f64], columns: &[usize], x: &[f64]) -> f64 {
     let ((a, a_rest), (columns, columns_rest)) = (a.as_chunks::<4>(), columns.as_chunks::<4>());
@@ -123,7 +123,7 @@ pub(crate) fn add_scaled(a: &mut [Lanes], b: &[Lanes], s: f64) {
 }
 
 /// A linear combination of rows of a matrix, added one row after the other. Each group of four
-/// stays in a register until it is complete.
+/// stays in a register until the sum is complete.
 ///
 /// For each of `count` terms, `term` gives the start of the row and the factor.
 #[inline(always)]

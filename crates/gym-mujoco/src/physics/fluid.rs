@@ -72,8 +72,8 @@ pub(super) fn moment_of(size: Vec3, k: usize) -> f64 {
     8.0 / 15.0 * PI * own * fourth(a.max(b))
 }
 
-/// The area of the ellipsoid projected along the velocity. Then the surface normal that belongs to
-/// it, and the factor that turns `normal x velocity` into the circulation.
+/// Returns the area of the ellipsoid projected along the velocity, the surface normal of MuJoCo's
+/// Kutta lift, and the factor from `normal x velocity` to the circulation.
 fn projection(revision: Revision, v: Vec3, size: Vec3) -> (f64, (Vec3, f64)) {
     let faces = |[x, y, z]: Vec3| [y * z, z * x, x * y];
     match revision {

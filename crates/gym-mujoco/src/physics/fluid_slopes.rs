@@ -68,7 +68,7 @@ fn add_product(
     }
 }
 
-/// The velocity of an object relative to the medium, in its own axes.
+/// The velocity of an object relative to the medium, in the axes of the object.
 fn velocity(m: &Model, d: &Data, kind: ObjectType, id: usize, mat: &Mat3) -> Vec6 {
     let velocity = object_velocity(m, d, kind, id, true);
     let v = sub(translation(&velocity), rotate_back(mat, m.opt.wind));

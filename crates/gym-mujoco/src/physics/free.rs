@@ -1,5 +1,6 @@
-//! Free bodies of their own with the integrator `implicitfast`: the derivatives of their gyroscopic
-//! forces are not symmetric, so each body's six equations are solved by themselves.
+//! Bodies with a free joint and no child joints, with the integrator `implicitfast`. The
+//! derivatives of their gyroscopic forces are not symmetric, so each body's six equations are
+//! solved separately.
 
 use std::ops::Range;
 
@@ -40,7 +41,7 @@ impl Free {
         self.dofs.contains(&dof)
     }
 
-    /// Adds to a derivative, if `column` is of the same body.
+    /// Adds `value` to a derivative if the degree of freedom `column` belongs to the same body.
     pub(super) fn add(&mut self, row: usize, column: usize, value: f64) {
         if self.has(column) {
             self.slopes[row - self.dofs.start][column - self.dofs.start] += value;

@@ -40,8 +40,8 @@ pub(super) fn factor(m: &Model, d: &mut Data) {
     factor_damped(m, d);
 }
 
-/// Replaces the forces `acc_sum` by the accelerations of `implicitfast`. Free bodies of their own
-/// include the derivatives of their gyroscopic forces.
+/// Replaces the forces `acc_sum` by the accelerations of `implicitfast`. For bodies with a free
+/// joint and no child joints, the equations include the derivatives of the gyroscopic forces.
 pub(super) fn solve_fast(m: &Model, d: &mut Data) {
     let mut buffers = std::mem::take(&mut d.work.implicit);
     let free = &mut buffers.free;
@@ -57,8 +57,8 @@ pub(super) fn solve_fast(m: &Model, d: &mut Data) {
 /// The buffers of `implicit`.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Buffers {
-    /// For each row of the matrix: the columns that can be nonzero. These are the ancestors of a
-    /// degree of freedom, itself and its descendants.
+    /// For each row of the matrix: the columns that can be nonzero. For a degree of freedom, these
+    /// are its ancestors, the degree of freedom itself, and its descendants.
     columns: Vec<Vec<usize>>,
     slopes: Vec<f64>,
     lu: Vec<f64>,
@@ -69,7 +69,7 @@ pub(crate) struct Buffers {
     part: Vec<f64>,
     /// The velocities of a point of a body by each degree of freedom.
     jac: Vec<Vec6>,
-    /// For `implicitfast`: free bodies of their own.
+    /// For `implicitfast`: the bodies with a free joint and no child joints.
     free: Vec<Free>,
 }
 
@@ -207,8 +207,8 @@ fn actuators(m: &Model, d: &Data, add: &mut impl FnMut(usize, usize, f64)) {
     }
 }
 
-/// Whether the actuators of the joint or tendon that an actuator moves reach its range of forces:
-/// MuJoCo's `mjd_actuatorDerivSkip`, from 4.0 on.
+/// Whether the total actuator force on the joint or tendon of actuator `i` reaches the force range
+/// of the joint or tendon: MuJoCo's `mjd_actuatorDerivSkip`, from 4.0 on.
 fn saturated(m: &Model, d: &Data, i: usize) -> bool {
     let id = m.actuator_trnid[i][0] as usize;
     match m.actuator_trntype[i] {
@@ -334,7 +334,7 @@ fn by_columns(f: impl Fn(&Vec6) -> Vec6) -> Mat6 {
     matrix
 }
 
-/// The product of a matrix and a vector, in the order in which MuJoCo multiplies the transposed
+/// Returns `matrix * x`. The sums have the order in which MuJoCo multiplies by the transpose of a
 /// matrix.
 fn apply(x: &Vec6, matrix: &Mat6) -> Vec6 {
     let mut sum = [0.0; 6];

@@ -61,7 +61,7 @@ pub fn crb(m: &Model, d: &mut Data) {
 }
 
 /// [`crb`] for one world or several. `begin` may compute the first elements of a row from the force
-/// that moves its degree of freedom; it returns how many it computed.
+/// of the row's degree of freedom, and returns the number of computed elements.
 #[inline(always)]
 pub(crate) fn crb_of<N: Number>(
     m: &Model,
@@ -127,7 +127,8 @@ pub fn factor_m(m: &Model, d: &mut Data) {
     if m.plan().implicit {
         add_damping(m, d);
         let work = &mut d.work;
-        // factors both matrices in turn: one computes while the other waits for a division
+        // interleaves the factorisations of both matrices: the CPU computes one while the other
+        // waits for a division
         let damped = (&mut work.qh[..], &mut work.qh_diag_inv[..]);
         factor(m, [(&mut d.qld, &mut d.qld_diag_inv), damped]);
     } else {
@@ -180,8 +181,8 @@ fn factor_chunks<const C: usize, const N: usize>(
     }
 }
 
-/// Computes a row of the factors, once the rows of its descendants are done, and returns the
-/// inverse of its diagonal. Elements after the end of the row change too.
+/// Computes row `k` of the factor L, and returns the inverse of the row's diagonal element. The
+/// rows of the descendants of `k` must be complete. Elements after the end of the row change too.
 #[inline(always)]
 fn eliminate<const C: usize>(
     plan: &Plan,
@@ -300,7 +301,7 @@ mod tests {
     use super::*;
     use crate::forward;
 
-    /// Two chains of so many hinges, which bend to all sides.
+    /// Returns a model of two chains of `length` hinges, whose axes alternate between x, y and z.
     fn chains(length: usize) -> Model {
         let body = |i: usize| {
             let axis = ["1 0 0", "0 1 0", "0 0 1"][i % 3];
@@ -336,7 +337,7 @@ mod tests {
                 );
             }
             solve_m(&m, &d, &mut solved);
-            // with damping, the same for the matrix that Euler's method uses
+            // the matrix with damping, for Euler's method
             let mut damped: Vec<f64> = x.clone();
             multiply(&m, &d.qm, &x, &mut damped);
             damped

@@ -76,8 +76,8 @@ pub fn euler(m: &Model, d: &mut Data) {
 fn semi_implicit(m: &Model, d: &mut Data) {
     let dt = m.opt.timestep;
     let fast = m.opt.integrator == Integrator::ImplicitFast;
-    // `step2` uses Euler's method for models with the RK4 integrator; these have no damped factors
-    // yet
+    // `step2` uses Euler's method for models with the RK4 integrator, whose damped matrix is not
+    // factored before
     let late = m.opt.integrator == Integrator::RK4 && m.plan().damped;
     if fast {
         implicit::factor(m, d);
@@ -193,11 +193,13 @@ pub fn runge_kutta(m: &Model, d: &mut Data) {
     }
 }
 
-/// Computes the rates of change of the positions since the start, from the velocities of a stage.
+/// Computes the time derivatives of the positions from `qvel`, the velocities of a Runge-Kutta
+/// stage.
 ///
-/// From 4.0 on, a rate of a free joint's orientation is that of the rotation vector since the start
-/// (the method of Runge, Kutta and Munthe-Kaas). On entry, `rates` holds the rates of the stage
-/// before, which were applied for the time `way`.
+/// From 4.0 on, the derivative for the orientation of a ball or free joint is the derivative of the
+/// rotation vector since the start of the timestep (the Runge-Kutta-Munthe-Kaas method). On entry,
+/// `rates` has the derivatives of the previous stage, and `way` is the time for which the step
+/// advanced with them.
 fn rates(m: &Model, qvel: &[f64], way: f64, rates: &mut [f64]) {
     if way == 0.0 {
         rates.copy_from_slice(qvel);

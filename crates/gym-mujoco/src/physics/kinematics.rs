@@ -32,7 +32,7 @@ pub fn kinematics(m: &Model, d: &mut Data) {
     find_frames(m, d);
 }
 
-/// [`kinematics`]; if `skips` is set, it leaves out geoms and sites that no later stage reads.
+/// [`kinematics`], without geoms and sites that no later stage reads if `skips` is set.
 #[inline(always)]
 pub(super) fn find_frames(m: &Model, d: &mut Data) {
     let whole = !d.work.skips;

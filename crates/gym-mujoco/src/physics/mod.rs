@@ -144,7 +144,7 @@ fn advance(m: &Model, d: &mut Data) {
     reset_diverged(m, d);
     let in_stages = m.opt.integrator == Integrator::RK4;
     let skips = d.work.skips;
-    // RK4 computes further stages below, and the frames of the last one stay
+    // RK4 computes further stages below, and the frames of the last stage remain
     d.work.skips |= in_stages;
     evaluate(m, d);
     if diverged(&d.qacc) {
@@ -229,8 +229,8 @@ fn measure(m: &Model, d: &mut Data, stages: &[Stage]) {
     }
 }
 
-/// Compiles stages for the CPU that runs them. They must be closures: a plain function is not
-/// inlined here, so it would be compiled for the oldest CPU.
+/// Compiles stages for the CPU that runs them. The stages must be closures: the compiler does not
+/// inline a function here, and would compile it for the oldest CPU.
 macro_rules! compiled {
     ($(#[$doc:meta])* $name:ident: $($stage:ident)+) => {
         $(#[$doc])*

@@ -54,8 +54,8 @@ pub(super) fn gain_slope(
     scale * slope / fastest
 }
 
-/// The force at the greatest velocity factor, the velocity relative to the fastest, and the
-/// fastest.
+/// Returns the force at a velocity factor of 1, the velocity divided by the maximum velocity, and
+/// the maximum velocity.
 fn contraction(
     length: f64,
     velocity: f64,

@@ -85,8 +85,7 @@ pub(crate) trait Number:
     /// Whether each number is zero.
     fn is_zero(self) -> Self::Mask;
 
-    /// `yes` where the mask is set, else `no`. For a single number, only the chosen one is
-    /// computed.
+    /// `yes` where the mask is set, else `no`. For an `f64`, only the chosen operand is computed.
     fn choose<const K: usize>(
         mask: Self::Mask,
         yes: impl FnOnce() -> [Self; K],
@@ -114,7 +113,7 @@ impl Number for f64 {
         *cell = self;
     }
 
-    // written out: the compiler does not turn a loop over elements into a copy
+    // no loop: the compiler does not turn a loop over the elements into a copy
 
     #[inline(always)]
     fn all_of<const K: usize>((): (), vector: [f64; K]) -> [Self; K] {

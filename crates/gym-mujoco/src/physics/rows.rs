@@ -51,8 +51,8 @@ pub(super) fn anchors(m: &Model, d: &Data, constraint: &Equality) -> [Vec3; 2] {
     [0, 1].map(|k| add(rotate(&d.xmat[ids[k]], parts[k]), d.xpos[ids[k]]))
 }
 
-/// The orientation that a weld demands of its second body, and the inverse of that body's
-/// orientation.
+/// Returns the orientation of the second body that a weld constraint requires, and the inverse of
+/// the second body's orientation.
 pub(super) fn orientations<O: Order>(m: &Model, d: &Data, constraint: &Equality) -> (Quat, Quat) {
     let ids = [m.eq_obj1id[constraint.id], m.eq_obj2id[constraint.id]].map(|id| id as usize);
     let inverse = |[w, x, y, z]: Quat| [w, -x, -y, -z];
@@ -173,7 +173,7 @@ pub(super) fn mul_quat_axis<O: Order>(q: Quat, a: Vec3) -> Quat {
     ]
 }
 
-/// Adds the row of a joint or tendon equality: one position is a polynomial of another, or
+/// Adds the row of a joint or tendon equality: a position is a polynomial of another position, or
 /// constant.
 fn polynomial(m: &Model, d: &mut Data, constraint: &Equality) {
     let joint = constraint.kind == EqualityType::Joint;
@@ -242,7 +242,8 @@ fn add_row(efc: &mut Constraints, row: usize, dof: usize, value: f64) {
     efc.jacobian_mut()[row * stride..].as_flattened_mut()[dof] += value;
 }
 
-/// Adds a block of one row for joints or tendons. `None` if no degree of freedom moves them.
+/// Adds a block of one row for joints or tendons. `None` if no degree of freedom moves the joints
+/// or tendons.
 fn push_scalar(
     m: &Model,
     d: &mut Data,
@@ -459,7 +460,7 @@ pub(super) fn contact(
         efc.r[row..].fill(r);
         efc.d[row..].fill(1.0 / r);
     }
-    // the diagonal from which the regularisation follows
+    // the diagonal that corresponds to the regularisation
     for k in row..row + pair.rows {
         let impedance = efc.kbip[k][2];
         efc.diag_approx[k] = efc.r[k] * impedance / (1.0 - impedance);

@@ -1,4 +1,4 @@
-//! Sensors: each kind is one arm that names its formula.
+//! Sensors: each match arm computes one type of sensor.
 
 use super::contact_force::contact_force;
 use super::energy::{computed, kinetic, potential};
@@ -72,7 +72,8 @@ fn three([x, y, z]: Vec3) -> Quat {
     [x, y, z, 0.0]
 }
 
-/// The orientation of an object: the body's, times the object's in the body.
+/// The orientation of an object: the product of the body's orientation and the object's orientation
+/// in the body's frame.
 fn quat_of<O: Order>(m: &Model, d: &Data, kind: ObjectType, id: usize) -> Quat {
     let within = |body: usize, quat: Quat| O::mul_quat(d.xquat[body], quat);
     match kind {
@@ -214,7 +215,7 @@ fn of_velocity(m: &Model, d: &mut Data, i: usize) -> Quat {
         }
         SensorType::SubtreeLinVel => three(d.subtree_linvel[id]),
         SensorType::SubtreeAngMom => three(d.subtree_angmom[id]),
-        // where the energy is computed too, the sensor shows the last one
+        // if the model computes the energy, the sensor has the energy of the last evaluation
         _ if computed(m) => one(d.energy[1]),
         _ => one(kinetic(m, d)),
     }
@@ -269,7 +270,7 @@ fn touch(m: &Model, d: &Data, site: usize) -> f64 {
     })
 }
 
-/// [`touch`] from a list of contacts, where `normal_force` gives the normal force of each.
+/// [`touch`] for a list of contacts. `normal_force` returns the normal force of a contact.
 pub(super) fn touch_of(
     m: &Model,
     (site, pos, mat): (usize, Vec3, &Mat3),
@@ -305,8 +306,8 @@ pub(super) fn fixed(m: &Model, body: usize) -> bool {
     m.plan().chain(body).is_empty()
 }
 
-/// The velocity of an object at its position, in the world's axes or its own: MuJoCo's
-/// `mj_objectVelocity`.
+/// The velocity of an object at the object's position, in the axes of the world or of the object:
+/// MuJoCo's `mj_objectVelocity`.
 pub(super) fn object_velocity(
     m: &Model,
     d: &Data,
@@ -340,8 +341,8 @@ fn of_object(
     }
 }
 
-/// The acceleration of an object: MuJoCo's `mj_objectAcceleration`. From 4.0 on it includes gravity
-/// for static bodies too.
+/// The acceleration of an object: MuJoCo's `mj_objectAcceleration`. From 4.0 on, the acceleration
+/// includes gravity for static bodies too.
 fn object_acceleration(m: &Model, d: &Data, kind: ObjectType, id: usize, own_axes: bool) -> Vec6 {
     if m.revision == Revision::V3_12 && fixed(m, frame_of(m, d, kind, id).0) {
         return [0.0; 6];

@@ -110,8 +110,8 @@ pub(crate) fn rotate_back<N: Number + Mul<V, Output = N>, V: Copy>(
     ]
 }
 
-/// Functions of quaternions, generic over the order in which four terms are added: it differs
-/// between revisions.
+/// Functions of quaternions, generic over the order of the sum of four terms, which differs between
+/// MuJoCo versions.
 pub(crate) trait Order {
     /// The sum of the terms of a product or a square.
     fn sum<N: Number>(terms: [N; 4]) -> N;
@@ -119,10 +119,10 @@ pub(crate) trait Order {
     /// The sum of the terms of a diagonal element of a rotation matrix.
     fn sum_diagonal<N: Number>(terms: [N; 4]) -> N;
 
-    /// The sum of the terms of element 1 of the product with an axis.
+    /// The sum of the terms of element 1 of the product of a quaternion and an axis.
     fn axis_first(a: f64, b: f64, c: f64) -> f64;
 
-    /// The sum of the terms of the last element of that product.
+    /// The sum of the terms of the last element of the product of a quaternion and an axis.
     fn axis_last(a: f64, b: f64, c: f64) -> f64;
 
     /// The rotation `b` followed by `a`, where `b` is given in the frame of `a`: the product `a b`.
@@ -184,8 +184,8 @@ pub(crate) trait Order {
         quat_to_velocity(Self::mul_quat([b[0], -b[1], -b[2], -b[3]], a))
     }
 
-    /// A quaternion after rotation by an angular velocity, given in its own frame, for some time:
-    /// MuJoCo's `mju_quatIntegrate`.
+    /// The quaternion after a rotation at a constant angular velocity, given in the frame of the
+    /// quaternion: MuJoCo's `mju_quatIntegrate`.
     #[inline(always)]
     fn quat_integrate<N: Number>(
         place: N::Place,

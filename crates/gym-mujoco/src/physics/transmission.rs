@@ -16,8 +16,8 @@ use super::spatial::{
 use crate::model::{Disable, JointType, TransmissionType};
 use crate::{Data, Model, Revision};
 
-/// The moment arms of the actuators: each has a sparse row over the degrees of freedom that it
-/// moves.
+/// The moment arms of the actuators: each actuator has a sparse row over the degrees of freedom
+/// that the actuator moves.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Moments {
     pub(crate) rows: Vec<Range<usize>>,
@@ -168,7 +168,8 @@ fn joint<O: Order>(
     }
 }
 
-/// `J' f`; a component of `force` that is zero adds nothing.
+/// Returns the dot product of `moves` and `force`. The sum skips components of `force` that are
+/// zero.
 fn along(moves: Vec3, force: Vec3) -> f64 {
     let mut sum = 0.0;
     for k in 0..3 {
@@ -195,7 +196,8 @@ fn at_site(m: &Model, d: &Data, site: usize, force: Vec3, torque: Vec3, moments:
     }
 }
 
-/// The position of a site in the frame of another, projected on the gear, and its moment arms.
+/// Computes the length and the moment arms of an actuator with a reference site: the length is the
+/// product of the gear and the site's pose relative to the reference site.
 fn between_sites<O: Order>(
     m: &Model,
     d: &Data,

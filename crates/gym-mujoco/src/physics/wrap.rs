@@ -9,7 +9,7 @@ use crate::{Revision, libm};
 
 type Vec2 = [f64; 2];
 
-/// A geom that a tendon runs around.
+/// A geom that a tendon wraps around.
 pub(super) struct Obstacle<'a> {
     pub(super) cylinder: bool,
     pub(super) pos: Vec3,
@@ -56,7 +56,7 @@ pub(super) fn wrap(
     let (mut arc, points) = around;
     let mut points = points.map(|[u, v]| add(scale(axes[0], u), scale(axes[1], v)));
     if geom.cylinder {
-        // on a helix the height grows evenly with the arc
+        // on a helix, the height is proportional to the arc
         let l0 = norm([p0[0] - points[0][0], p0[1] - points[0][1], 0.0]);
         let l1 = norm([p1[0] - points[1][0], p1[1] - points[1][1], 0.0]);
         let whole = l0 + arc + l1;
@@ -252,8 +252,8 @@ fn circle_4_0(ends: [Vec2; 2], side: Option<Vec2>, radius: f64) -> Option<(f64, 
     Some((turned * radius, points))
 }
 
-/// The point where a tendon that passes inside a circle touches it, from 4.0 on: Newton's method
-/// solves for its angle.
+/// The point where a tendon that passes inside a circle touches the circle, from 4.0 on. Newton's
+/// method solves for the angle of the point.
 fn inside_4_0([e0, e1]: [Vec2; 2], radius: f64) -> Option<(f64, [Vec2; 2])> {
     const MOST: i32 = 18;
     const TOLERANCE: f64 = 1e-6;
@@ -321,7 +321,7 @@ fn inside_4_0([e0, e1]: [Vec2; 2], radius: f64) -> Option<(f64, [Vec2; 2])> {
     Some((0.0, [point; 2]))
 }
 
-/// The length of an arc of a circle, on the side that `second` selects.
+/// The length of the arc of a circle from `p0` to `p1`, in the direction that `second` selects.
 fn arc_length([p0, p1]: [Vec2; 2], second: bool, radius: f64) -> f64 {
     let mut angle = libm::acos(dot2(unit(p0), unit(p1)));
     let turn = p0[1] * p1[0] - p0[0] * p1[1];
@@ -331,7 +331,7 @@ fn arc_length([p0, p1]: [Vec2; 2], second: bool, radius: f64) -> f64 {
     radius * angle
 }
 
-/// The point where a tendon that passes inside a circle touches it.
+/// The point where a tendon that passes inside a circle touches the circle.
 fn inside([e0, e1]: [Vec2; 2], radius: f64) -> Option<(f64, [Vec2; 2])> {
     const MOST: usize = 20;
     const START: f64 = 1.0 - 1e-7;

@@ -240,7 +240,8 @@ impl env::Task for Task {
         }
         let Some(step) = step else { return };
         visit("reward_forward", step.forward);
-        // in version 4, Gymnasium uses one name for both costs
+        // in version 4 with contact costs, Gymnasium stores the contact cost under the key
+        // `reward_ctrl`
         let is_contact = self.version == 4 && self.forces_cost;
         visit(
             "reward_ctrl",

@@ -7,7 +7,7 @@ use super::numpy;
 /// A weight times the sum of the squared actions, in the precision of the action.
 ///
 /// With numpy 2, the product of the weight and a single-precision sum has single precision. With
-/// numpy 1, with which versions 2 and 3 were recorded, it has double precision.
+/// numpy 1, with which versions 2 and 3 were recorded, the product has double precision.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct ControlCost {
     weight: f64,
@@ -24,7 +24,8 @@ impl ControlCost {
 
     pub(super) fn of(self, action: &Array) -> f64 {
         let sum = action.as_slice().map(numpy::sum_of_squares_f32);
-        // if the sum overflows single precision, Gymnasium's is infinite
+        // Gymnasium's sum in single precision may overflow to infinity; this sum is in double
+        // precision
         let Some(sum) = sum.filter(|sum| sum.is_finite()) else {
             return self.weight * numpy::sum_of_squares(action.len(), |i| action.data().get_f64(i));
         };

@@ -252,8 +252,8 @@ impl<T: Task> Inspect for MujocoEnv<T> {
 }
 
 impl<T: Task> MujocoEnv<T> {
-    /// Improves the error of a snapshot that does not fit: if it is of another version of MuJoCo,
-    /// the message names that version.
+    /// Improves the error of a snapshot that this environment refuses. If the snapshot is of
+    /// another version of MuJoCo, the message names that version.
     fn explain_refusal(&self, snapshot: &Snapshot, error: Error) -> Error {
         /// The part of a snapshot that this function reads.
         #[derive(Deserialize)]

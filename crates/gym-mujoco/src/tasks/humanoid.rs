@@ -92,8 +92,8 @@ gym_core::arguments! {
 }
 
 impl Observed {
-    /// The elements of the observation. Before version 5 they include the world's body and the root
-    /// joint's torques, which are zero.
+    /// The elements of the observation. Before version 5, the elements include the world's body and
+    /// the root joint's torques, which are zero.
     pub(super) fn numbers(self, version: u32, data: &Data) -> impl Iterator<Item = f64> {
         let (world, root) = if version >= 5 { (1, 6) } else { (0, 0) };
         let skip = 2 * usize::from(self.exclude_current_positions_from_observation);

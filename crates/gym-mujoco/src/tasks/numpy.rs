@@ -55,8 +55,8 @@ pub fn norm(version: u32, v: &[f64]) -> f64 {
 }
 
 /// The dot product of a vector with itself, `np.dot`, whose rounding depends on the CPU. Versions 4
-/// and 5 were recorded on a CPU that fuses products and sums (AVX-512), versions 2 and 3 on one
-/// that adds in two lanes (no AVX).
+/// and 5 were recorded on a CPU that fuses products and sums (AVX-512), versions 2 and 3 on a CPU
+/// with vectors of two doubles (no AVX).
 #[expect(
     clippy::disallowed_methods,
     reason = "numpy fuses here, and a fused product is the same on every platform"

@@ -144,7 +144,7 @@ impl env::Task for Task {
         );
         let ctrl = self.cost.of(action);
         let reward = -distance - ctrl - near;
-        // before version 5 `info` has the cost without its weight
+        // before version 5, `info` has the cost without the weight
         let told = if self.version >= 5 {
             ctrl
         } else {

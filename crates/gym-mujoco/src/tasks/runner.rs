@@ -100,7 +100,7 @@ impl<C: RunnerArguments> env::Task for Runner<C> {
         let x_velocity = (data.qpos[0] - before) / simulation.dt;
         let forward = settings.forward_reward_weight * x_velocity;
         let healthy = self.is_healthy(data);
-        // before version 5, a fallen runner is rewarded in the step that ends the episode
+        // before version 5, the step that ends the episode gives the healthy reward too
         let paid = healthy || (self.version < 5 && settings.terminate_when_unhealthy);
         let survive = f64::from(paid) * settings.healthy_reward;
         let ctrl = self.cost.of(action);

@@ -22,11 +22,11 @@ pub struct Simulation {
     pub frame_skip: usize,
     /// Length of a step in seconds.
     pub dt: f64,
-    /// The viewpoint of its pictures.
+    /// The camera of rendered pictures.
     pub(super) view: View,
     /// Whether a step computes contact forces. MuJoCo 2.0's Python interface did not.
     contact_forces: bool,
-    /// The properties of a step, if the task's worlds can step together.
+    /// The properties of a step; `None` if the task's worlds cannot step together.
     pub(super) stride: Option<Stride>,
 }
 
@@ -152,7 +152,8 @@ pub(super) fn uniform_noise(numbers: &mut [f64], initial: &[f64], scale: f64, rn
     }
 }
 
-/// Sets each of `numbers` to `0.0 + scale * standard_normal()`: without noise it is no negative zero.
+/// Sets each of `numbers` to `0.0 + scale * standard_normal()`. The sum turns the `-0.0` of a zero
+/// `scale` into `0.0`.
 pub(super) fn normal_noise(numbers: &mut [f64], scale: f64, rng: &mut Generator) {
     for x in numbers {
         *x = 0.0 + scale * rng.standard_normal();

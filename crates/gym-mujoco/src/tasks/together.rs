@@ -21,12 +21,12 @@ const MODELS: usize = 4;
 #[derive(Clone, Debug)]
 pub struct Worlds {
     level: Level,
-    crews: Vec<Crew>,
+    groups: Vec<Group>,
 }
 
 /// The worlds of one model.
 #[derive(Clone, Debug)]
-struct Crew {
+struct Group {
     model: Arc<Model>,
     stride: Stride,
     /// The length of a world's record.
@@ -41,7 +41,7 @@ struct Crew {
     len: usize,
     /// Whether each world has stepped.
     stepped: Vec<bool>,
-    /// The number of constraint rows of each world in its last step, and the worlds sorted by it.
+    /// The number of constraint rows of each world in its last step.
     rows: Vec<usize>,
     order: Vec<usize>,
 }
@@ -49,7 +49,7 @@ struct Crew {
 /// A world in a group.
 #[derive(Clone, Copy, Debug)]
 pub struct Place {
-    crew: usize,
+    group: usize,
     world: usize,
 }
 
@@ -65,7 +65,7 @@ impl Worlds {
     pub fn new(level: Level) -> Self {
         Self {
             level,
-            crews: Vec::with_capacity(MODELS),
+            groups: Vec::with_capacity(MODELS),
         }
     }
 
@@ -85,30 +85,29 @@ impl Worlds {
         action: &Array,
     ) -> Option<Place> {
         lanes::width(self.level)?;
-        let known = self
-            .crews
-            .iter()
-            .position(|crew| Arc::ptr_eq(&crew.model, model) && crew.stride.steps == stride.steps);
-        let crew = match known {
-            Some(crew) => crew,
+        let known = self.groups.iter().position(|group| {
+            Arc::ptr_eq(&group.model, model) && group.stride.steps == stride.steps
+        });
+        let group = match known {
+            Some(group) => group,
             // no other environment uses this model
             None if Arc::strong_count(model) == 1 => return None,
-            None if self.crews.len() < MODELS => {
-                self.crews.push(Crew::new(model, stride));
-                self.crews.len() - 1
+            None if self.groups.len() < MODELS => {
+                self.groups.push(Group::new(model, stride));
+                self.groups.len() - 1
             }
             None => return None,
         };
-        let world = self.crews[crew].begin(data, action)?;
-        Some(Place { crew, world })
+        let world = self.groups[group].begin(data, action)?;
+        Some(Place { group, world })
     }
 
     /// Writes the result of a world's step to `data`; [`Data::catch_up`] then takes it over.
     pub fn collect(&self, place: Place, data: &mut Data) {
-        let crew = &self.crews[place.crew];
-        if crew.stepped[place.world] {
-            let length = crew.length;
-            data.look_ahead(&crew.records[place.world * length..][..length]);
+        let group = &self.groups[place.group];
+        if group.stepped[place.world] {
+            let length = group.length;
+            data.look_ahead(&group.records[place.world * length..][..length]);
         }
     }
 }
@@ -117,20 +116,20 @@ impl Together for Worlds {
     const LEN: usize = 64;
 
     fn solve(&mut self) {
-        for crew in &mut self.crews {
-            crew.solve(self.level);
+        for group in &mut self.groups {
+            group.solve(self.level);
         }
     }
 
     fn clear(&mut self) {
         // drop the groups of models that no environment uses any more
-        self.crews
-            .retain(|crew| crew.len > 0 || Arc::strong_count(&crew.model) > 1);
-        self.crews.iter_mut().for_each(|crew| crew.len = 0);
+        self.groups
+            .retain(|group| group.len > 0 || Arc::strong_count(&group.model) > 1);
+        self.groups.iter_mut().for_each(|group| group.len = 0);
     }
 }
 
-impl Crew {
+impl Group {
     fn new(model: &Arc<Model>, stride: &Stride) -> Self {
         let length = lanes::record_len(model, &stride.reads);
         let fits = lanes::fits(model, stride);
@@ -140,7 +139,7 @@ impl Crew {
             data = Data::new(model);
             // computes the tendons' moment arms, which are constant
             forward(model, &mut data);
-            // the positions' part of the forces is added by the lane stages
+            // the stages of the lanes add the part of the forces that depends on positions
             data.actuator_length.fill(0.0);
             data.actuator_velocity.fill(0.0);
         }
@@ -192,14 +191,15 @@ impl Crew {
         };
         let (length, rows) = (self.length, &mut self.rows);
         self.stepped[..self.len].fill(false);
-        // sort worlds by their number of rows: the solver's time depends on the largest in a
-        // register
+        // sort worlds by their number of rows: the solver's time depends on the largest number of
+        // rows in a register
         self.order.clear();
         self.order.extend(0..self.len);
         self.order
             .sort_unstable_by_key(|&world| (rows[world], world));
         for order in self.order.chunks(lanes::WORLDS) {
-            // a remainder that fills less than half a register is faster one by one
+            // if the remaining worlds fill less than half a register, stepping them one by one is
+            // faster
             let rest = order.len() % width;
             let few = 2 * rest < width;
             let order = &order[..order.len() - if few { rest } else { 0 }];
@@ -233,7 +233,7 @@ mod tests {
         env.episode_data().is_some_and(Data::is_behind)
     }
 
-    /// Nine worlds: eight step together, and the rest of one by itself.
+    /// Of nine worlds, eight step together and one steps alone.
     #[test]
     fn whole_registers_step_together() {
         for level in levels() {

@@ -88,7 +88,7 @@ impl Camera {
         ]
     }
 
-    /// A direction projected on the picture plane, of length 1 or less.
+    /// The direction `direction` projected on the picture plane; the length is 1 or less.
     pub(super) fn flat(&self, direction: Vec3) -> Point {
         [dot(direction, self.right), -dot(direction, self.up)]
     }
@@ -168,7 +168,7 @@ mod tests {
                 let off = (seen[0] - expected[0])
                     .abs()
                     .max((seen[1] - expected[1]).abs());
-                // its camera is float32
+                // MuJoCo computes its camera in float32
                 assert!(off < 2e-3, "{point:?}: {seen:?} for {expected:?}");
             }
         }

@@ -120,7 +120,7 @@ mod tests {
         let at = |x: u32, y: u32| f64::from(depths[(y * width + x) as usize]);
         assert!((at(100, 50) - 3.5).abs() < 1e-6, "the top of the sphere");
         assert!((at(2, 2) - 6.0).abs() < 1e-5, "the floor, in a corner too");
-        // half of the picture is seen under 22.5 degrees, whose tangent is the root of 2 less 1
+        // half of the picture's height spans 22.5 degrees, whose tangent is sqrt(2) - 1
         let focal = 50.5 / (2f64.sqrt() - 1.0);
         let right = 100.0 + focal * 1.5 / 4.8;
         assert!(

@@ -165,8 +165,8 @@ pub(super) fn shadows(scene: &Scene<'_>, height: f64, canvas: &mut dyn Canvas) {
     }
 }
 
-/// The shadow of a capsule: a half circle around each end. A cylinder's shadow is approximated by
-/// it.
+/// The outline of a capsule's shadow: a half circle around each end. A cylinder's shadow is
+/// approximated by the same outline.
 fn round_outline(model: &Model, data: &Data, g: usize, height: f64) -> [Vec3; CORNERS] {
     let [radius, half, _] = model.geom_size[g];
     let (center, axis) = (data.geom_xpos[g], column(&data.geom_xmat[g], 2));

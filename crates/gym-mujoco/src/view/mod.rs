@@ -304,7 +304,7 @@ fn rgba([r, g, b, a]: [f64; 4]) -> Color {
     }
 }
 
-/// The free camera. Values that `config` leaves out are those of MuJoCo's viewer.
+/// Returns a free camera. A value that `config` leaves out is the default of MuJoCo's viewer.
 fn free(model: &Model, data: &Data, config: &CameraConfig) -> Result<Mount> {
     let wrong = |reason: &str| Error::argument("default_camera_config", reason);
     let follows = match config.trackbodyid {

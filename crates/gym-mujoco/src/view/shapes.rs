@@ -1,7 +1,8 @@
 //! Shaded spheres, capsules and cylinders.
 //!
 //! A round shape is drawn as nested outlines, from dark to bright, each smaller and nearer to the
-//! light. So it looks round with plain fills, at any size and in any format.
+//! light. So the shape looks round although each outline has one colour, at any size and in any
+//! format.
 
 use gym_core::canvas::{Canvas, Color, Point};
 
@@ -126,7 +127,7 @@ fn outline([a, b]: [Point; 2], [ra, rb]: [f64; 2], color: Color, canvas: &mut dy
         canvas.circle(center, radius.max(0.0), color);
         return;
     }
-    // at these angles, the circles' common tangents touch
+    // at these angles, the circles' common tangents touch the circles
     let turn = libm::atan2(along[1], along[0]);
     let slope = libm::atan2(
         (ra - rb) / distance,

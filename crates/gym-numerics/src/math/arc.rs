@@ -54,7 +54,7 @@ pub(super) fn atan2<F: Fma>(y: f64, x: f64) -> f64 {
     (angle + rest).copysign(y)
 }
 
-/// Returns `from` minus `angle`; both have a second part, `from_rest` and `rest`.
+/// Returns `(from + from_rest) - (angle + rest)` as a sum of two numbers.
 #[inline(always)]
 fn turned(from: f64, from_rest: f64, angle: f64, rest: f64) -> (f64, f64) {
     let (difference, low) = sum(from, -angle);

@@ -12,7 +12,7 @@ const MINUS_LN2: [f64; 2] = [
 ];
 /// Adding and subtracting this number rounds to the nearest integer: 1.5 * 2^52.
 const ROUND: f64 = 6_755_399_441_055_744.0;
-/// Coefficients of x^2 to x^5 within ln 2 / 256.
+/// The coefficients of x^2 to x^5 in the approximation of e^x for |x| <= ln 2 / 256.
 const C: [f64; 4] = [
     f64::from_bits(0x3fdf_ffff_ffff_fdbd),
     f64::from_bits(0x3fc5_5555_5555_543c),
@@ -48,8 +48,8 @@ fn beyond(x: f64) -> f64 {
     if x < 0.0 { 0.0 } else { x + f64::INFINITY }
 }
 
-/// e^(x + rest) = 2^(k / 128) (1 + fraction). `scale` is the bits of 2^(k / 128), whose exponent
-/// may be out of range.
+/// e^(x + rest) as 2^(k / 128) (1 + fraction). `scale` has the bits of 2^(k / 128); its exponent
+/// may overflow.
 pub(super) struct Parts {
     pub(super) scale: u64,
     pub(super) k: i64,
@@ -74,15 +74,16 @@ impl Parts {
     }
 }
 
-/// Returns `scale * (1 + fraction)` if it may overflow.
+/// Returns `scale * (1 + fraction)`, for results that may overflow.
 #[cold]
 pub(super) fn large<F: Fma>(scale: u64, fraction: f64) -> f64 {
     let scale = f64::from_bits(scale.wrapping_sub(1009 << 52));
     2f64.powi(1009) * F::fma(scale, fraction, scale)
 }
 
-/// Returns `scale * (1 + fraction)` if it may be subnormal; `scale` may be negative. The result is
-/// rounded once, to its final number of digits. (glibc's compiler does not use FMA here.)
+/// Returns `scale * (1 + fraction)`, for results that may be subnormal; `scale` may be negative.
+/// The result is rounded once, to its final number of digits. (glibc's compiler does not use FMA
+/// here.)
 #[cold]
 pub(super) fn small(scale: u64, fraction: f64) -> f64 {
     let scale = f64::from_bits(scale.wrapping_add(1022 << 52));

@@ -76,7 +76,8 @@ fn exact_sum(a: f64, b: f64) -> (f64, f64) {
     (sum, (a - (sum - from_b)) + (b - from_b))
 }
 
-/// Returns a sum, rounded to odd: if it is not exact, to the neighbour whose last bit is 1.
+/// Returns the sum rounded to odd: if the sum is not exact, the result is the adjacent number whose
+/// last bit is 1.
 #[inline(always)]
 fn sum_to_odd(a: f64, b: f64) -> f64 {
     let (sum, rest) = exact_sum(a, b);

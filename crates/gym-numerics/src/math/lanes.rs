@@ -148,7 +148,7 @@ impl<S: Simd> Real for Lanes<S> {
 
     #[inline(always)]
     fn rows(self, table: &[[f64; 4]; 128]) -> [Self; 4] {
-        // loads one row per lane, and transposes them in two rounds
+        // loads one row per lane, and transposes the rows in two rounds
         let bits = self.0.to_bits();
         let row = |lane: usize| &table[bits[lane] as usize & 127];
         let part = |i: usize| {

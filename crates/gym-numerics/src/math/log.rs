@@ -11,7 +11,7 @@ pub(super) const LN2: [f64; 2] = [
 ];
 /// The start of the octave to which arguments are reduced.
 const START: u64 = 0x3fe6_0000_0000_0000;
-/// Coefficients of x^2 to x^6 of ln(1 + x) within 1 / 256.
+/// Coefficients of x^2 to x^6 of ln(1 + x), for |x| <= 1 / 256.
 const A: [f64; 5] = [
     f64::from_bits(0xbfe0_0000_0000_0001),
     f64::from_bits(0x3fd5_5555_5551_305b),
@@ -19,7 +19,7 @@ const A: [f64; 5] = [
     f64::from_bits(0x3fc9_99b3_24f1_0111),
     f64::from_bits(0xbfc5_5575_e506_c89f),
 ];
-/// Coefficients of x^2 to x^12 of ln(1 + x) within 1 / 16.
+/// Coefficients of x^2 to x^12 of ln(1 + x), for |x| <= 1 / 16.
 const B: [f64; 11] = [
     -0.5,
     f64::from_bits(0x3fd5_5555_5555_5577),

@@ -116,7 +116,7 @@ pub fn with<A, T>(arguments: A, hardware: impl FnOnce(A) -> T, emulated: impl Fn
     }
 }
 
-/// Calls `f` without inlining it: its code is long, and most CPUs never need it.
+/// Calls `f` and does not inline `f`, whose code is long and unused on most CPUs.
 #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
 #[cold]
 #[inline(never)]
@@ -156,9 +156,9 @@ functions! {
         (sin.value(), cos.value())
     };
 
-    /// The angle of the point from the positive x axis, in rad between -π and π. It is computed
-    /// with extra precision and rounded once; glibc's result is an adjacent number for 1 argument
-    /// in 1100.
+    /// The angle of the point from the positive x axis, in rad between -π and π. The result is
+    /// computed with extra precision and rounded once; glibc's result is an adjacent number for 1
+    /// argument in 1100.
     fn atan2(y: f64, x: f64) -> f64 = |F| arc::atan2::<F>(y, x);
 
     /// e^x.

@@ -7,7 +7,7 @@ use super::{Fma, Real};
 
 /// The start of the octave to which arguments are reduced.
 const START: u64 = 0x3fe6_9555_0000_0000;
-/// Coefficients of x^2 to x^8 of ln(1 + x) within 1 / 128, scaled by powers of -2.
+/// Coefficients of x^2 to x^8 of ln(1 + x), for |x| <= 1 / 128, scaled by powers of -2.
 const A: [f64; 7] = [
     -0.5,
     f64::from_bits(0x3fd5_5555_5555_5560) * -2.0,
@@ -137,8 +137,9 @@ fn special<F: Fma>(x: f64, y: f64) -> f64 {
     positive::<F>(bits, y, sign < 0.0)
 }
 
-/// Returns the C library's `pow(x, 2)`, whose error is at most 0.511 ulp. This is the rounded
-/// product, unless the exact square is so close to a tie that `pow` may return the other neighbour.
+/// Returns the C library's `pow(x, 2)`, whose error is at most 0.511 ulp. The result is the rounded
+/// product, unless the exact square is so close to a tie that `pow` may return the other adjacent
+/// number.
 #[inline(always)]
 pub(super) fn square<R: Real>(x: R) -> R {
     /// The largest error of the product, in ulp, for which `pow` is certain to return the product.
@@ -158,7 +159,8 @@ pub(super) fn square<R: Real>(x: R) -> R {
 /// Returns the C library's `powf(x, 2)`; `x` must be representable in `f32`, and so is the result.
 #[inline(always)]
 pub(super) fn square_f32<R: Real>(x: R) -> R {
-    /// The largest error of the product, in ulp of `f32`, for which `powf` is certain to return it.
+    /// The largest error of the product, in ulp of `f32`, for which `powf` is certain to return the
+    /// product.
     const SURE: f64 = 0.495 * f32::EPSILON as f64;
     let exact = x * x;
     let product = exact.single();
@@ -185,7 +187,7 @@ fn square_f32_in_full(x: f64) -> f64 {
     f64::from(super::square_f32(x as f32))
 }
 
-/// Coefficients of x^5 to x^1 of log2(1 + x) within 1 / 16.
+/// Coefficients of x^5 to x^1 of log2(1 + x), for |x| <= 1 / 16.
 const LOG2: [f64; 5] = [
     f64::from_bits(0x3fd2_7616_c949_6e0b),
     f64::from_bits(0xbfd7_1969_a075_c67a),
@@ -193,7 +195,7 @@ const LOG2: [f64; 5] = [
     f64::from_bits(0xbfe7_1547_48be_f6c8),
     f64::from_bits(0x3ff7_1547_652a_b82b),
 ];
-/// Coefficients of x^3 to x^1 of 2^x within 1 / 64.
+/// Coefficients of x^3 to x^1 of 2^x, for |x| <= 1 / 64.
 const EXP2: [f64; 3] = [
     f64::from_bits(0x3fac_6af8_4b91_2394),
     f64::from_bits(0x3fce_bfce_50fa_c4f3),

@@ -38,7 +38,7 @@ mod tests {
         }
     }
 
-    /// `np.sum([1 / (i + 3) for i in range(n)])`, which plain sums differ from.
+    /// `np.sum([1 / (i + 3) for i in range(n)])`, for which sums in order differ in the last bits.
     #[test]
     fn sums_are_numpys_to_the_last_bit() {
         for (n, bits) in [

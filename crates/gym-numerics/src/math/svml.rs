@@ -10,7 +10,7 @@ const fn f(bits: u64) -> f64 {
     f64::from_bits(bits)
 }
 
-/// 2^(i/16): the nearest number, and the rest as a part of it.
+/// 2^(i/16): the nearest number, and the remainder divided by that number.
 const POWERS: [[u64; 2]; 16] = [
     [0x3ff0_0000_0000_0000, 0],
     [0x3ff0_b558_6cf9_890f, 0x3c97_9aa6_5d83_7b6d],
@@ -33,13 +33,13 @@ const POWERS: [[u64; 2]; 16] = [
 /// `np.exp`.
 #[inline(always)]
 pub(super) fn exp<F: Fma>(x: f64) -> f64 {
-    /// From here on, another function computes the result.
+    /// For magnitudes from this number on, another function computes the result.
     const RARE: f64 = f(0x4086_1da0_4cba_fe44);
     /// 3 * 2^46 + 1023: adding it rounds to a multiple of 1/16.
     const SHIFT: f64 = f(0x42f8_0000_0000_3ff0);
     const INVERSE: f64 = f(0x3ff7_1547_652b_82fe);
     const LN2: [f64; 2] = [f(0x3fe6_2e42_fefa_39ef), f(0x3c7a_bc9e_3b39_803f)];
-    /// Of r^6 to r.
+    /// The coefficients of r^6 to r.
     const C: [f64; 6] = [
         f(0x3f57_4118_3694_0c04),
         f(0x3f81_101c_bbc2_65c0),
@@ -62,12 +62,12 @@ pub(super) fn exp<F: Fma>(x: f64) -> f64 {
     let p = F::fma(high, r2, F::fma(C[4], r, C[5]));
     let [power, rest] = POWERS[shifted.to_bits() as usize & 15].map(f);
     let scaled = F::fma(power, F::fma(p, r, rest), power);
-    // the exponent is a normal one: |n| < 1021
+    // the result is not subnormal, because |n| < 1021
     scaled * f(((n.floor() as i64 + 1023) as u64) << 52)
 }
 
-/// -ln of the rounded inverses of 1 to 2, by their first four bits: the nearest number of few
-/// bits, and the rest.
+/// -ln of the rounded inverses of numbers from 1 to 2, indexed by the first four fraction bits: a
+/// number with few bits, and the remainder.
 const LOGARITHMS: [[u64; 2]; 16] = [
     [0, 0],
     [0xbfaf_0a30_c012_0000, 0x3d53_ab33_d066_d1d2],
@@ -98,7 +98,7 @@ const INVERSES: [u32; 16] = [
 #[inline(always)]
 pub(super) fn ln_1p<F: Fma>(x: f64) -> f64 {
     const LN2: [f64; 2] = [f(0x3fe6_2e42_fefa_0000), f(0x3d7c_f79a_bc9e_0000)];
-    /// Of r^9 to r^2.
+    /// The coefficients of r^9 to r^2.
     const C: [f64; 8] = [
         f(0x3fbc_81cd_309d_7c70),
         f(0xbfc0_0735_7e93_af62),
@@ -139,8 +139,9 @@ pub(super) fn ln_1p<F: Fma>(x: f64) -> f64 {
     f(result.to_bits() | x.to_bits() & 1 << 63)
 }
 
-/// Beyond these slopes, an angle is given by its difference from the angle of another slope: the
-/// limit, the other slope, its angle, and the rest of that. The last one is vertical.
+/// For a slope above a limit, the angle is computed relative to the angle of a reference slope.
+/// Each row: the limit, the reference slope, its angle, and the remainder of the angle. The last
+/// reference slope is vertical.
 const SLOPES: [[u64; 4]; 4] = [
     [
         0x3fdc_0000_0000_0000,
@@ -172,7 +173,7 @@ const SLOPES: [[u64; 4]; 4] = [
 #[inline(always)]
 pub(super) fn atan2<F: Fma>(y: f64, x: f64) -> f64 {
     const PI: [f64; 2] = [f(0x4009_21fb_5444_2d18), f(0x3ca1_a640_0000_0000)];
-    /// Of r^24 to r^2, the even ones.
+    /// The coefficients of the even powers of r, from r^24 to r^2.
     const C: [f64; 12] = [
         f(0x3f8b_e4fb_e673_3718),
         f(0xbfa0_4cd7_1f92_185e),
@@ -202,7 +203,8 @@ pub(super) fn atan2<F: Fma>(y: f64, x: f64) -> f64 {
             (numerator, F::fma(slope, over, along_part), angle, rest)
         }
     };
-    // the CPU's approximate inverse, improved twice, is within the last bits of this one
+    // SVML uses the CPU's approximate inverse with two Newton steps, which differs from this
+    // quotient only in the last bits
     let inverse = 1.0 / denominator;
     let r = inverse * numerator;
     let r2 = r * r;

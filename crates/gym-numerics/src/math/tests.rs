@@ -8,7 +8,7 @@ use rand::Rng;
 use super::*;
 use crate::Generator;
 
-/// A function of one number: this crate's and the platform's.
+/// A function of one number, in this crate and in the platform's C library.
 struct Function {
     name: &'static str,
     ours: fn(f64) -> f64,
@@ -372,8 +372,7 @@ fn arc_tangents_are_the_platforms_within_a_unit() {
     }
 }
 
-/// Bits of arguments and of glibc 2.36's results, mostly cases in which those are not correctly
-/// rounded.
+/// Compares with the bits of glibc 2.36's results, mostly results that are not correctly rounded.
 #[test]
 fn hard_cases_are_glibcs() {
     let number = |digits: &str| f64::from_bits(u64::from_str_radix(digits, 16).unwrap());

@@ -31,12 +31,12 @@ const PARTS: [f64; 4] = [
     -1.903_488_962_019_326_6e-25,
 ];
 
-/// The only angle (with its negative) for which glibc's `sin` chooses another table row than this
-/// reduction and glibc's `sincos`: it lies exactly between two rows. And its sine.
+/// An angle exactly between two table rows, and its sine. For this angle and its negative alone,
+/// glibc's `sin` chooses another row than this reduction and glibc's `sincos`.
 const HALF_WAY: f64 = f64::from_bits(0x3ffa_d1fb_5444_2d18);
 const SIN_HALF_WAY: f64 = f64::from_bits(0x3fef_d27a_cee5_50dc);
 
-/// Coefficients of x^3 and x^5 of the sine, and x^2, x^4 and x^6 of 1 minus the cosine, within
+/// Coefficients of x^3 and x^5 of the sine, and x^2, x^4 and x^6 of 1 minus the cosine, for |x| <=
 /// 1/256.
 const S3: f64 = -0.166_666_666_666_664_88;
 const S5: f64 = 0.008_333_332_142_857_223;
@@ -44,7 +44,7 @@ const C2: f64 = 0.5;
 const C4: f64 = -0.041_666_666_666_666_44;
 const C6: f64 = 0.001_388_888_740_079_376;
 
-/// Coefficients of x^11, x^9, ... x^3 of the sine within ±0.126.
+/// Coefficients of x^11, x^9, ... x^3 of the sine, for |x| < 0.126.
 const SINE: [f64; 5] = [
     -2.502_201_484_831_839_8e-8,
     2.755_729_806_860_771e-6,
@@ -100,8 +100,8 @@ impl<R: Real> Reduced<R> {
         }
     }
 
-    /// Reduces small angles by `one` quarter turn, and others by a counted number of quarter turns
-    /// with the parts of [`PARTS`], in one formula.
+    /// Reduces angles to at most an eighth turn: angles in `near` by `one` quarter turns, others by
+    /// the nearest number of quarter turns, with the parts of [`PARTS`].
     #[inline(always)]
     fn of_any(x: R, near: R::Mask, one: R) -> Self {
         let shifted = x.fma(x.same(FRAC_2_PI), x.same(ROUND));
@@ -205,8 +205,8 @@ fn both_exact<R: Real>(a: R) -> (R, R) {
     (sin, cos)
 }
 
-/// Returns the sine of a reduced angle; `large` computes the sine of its magnitude if it is at
-/// least [`SMALL`].
+/// Returns the sine of a reduced angle. If the magnitude of the angle is at least [`SMALL`],
+/// `large` computes the sine of the magnitude.
 #[inline(always)]
 fn or_small<R: Real>(a: R, da: R, large: impl FnOnce() -> R) -> R {
     let small = a.abs().lt(a.same(SMALL));
@@ -352,8 +352,7 @@ fn reduce_huge(x: f64) -> Reduced<One<Emulated>> {
     let exponent = (x.to_bits() >> 52 & 0x7ff).cast_signed() - 1075;
     let mantissa = x.to_bits() & ((1 << 52) - 1) | 1 << 52;
 
-    // 256 digits of 2/π, starting at the first one that does not only give multiples of 4 quarter
-    // turns
+    // 256 digits of 2/π. The digits before `start` contribute only multiples of 4 quarter turns.
     let start = (exponent - 2).max(0) as usize;
     let word = |i: usize| TWO_OVER_PI.get(i).copied().unwrap_or(0);
     let digits = |i: usize| {

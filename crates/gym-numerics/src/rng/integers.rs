@@ -18,7 +18,8 @@ fn below<const BITS: u32>(n: u64, mut next: impl FnMut() -> u64) -> u64 {
         )
     };
     let (mut whole, mut rest) = draw();
-    // the threshold costs a division; it is below `n`, so most draws do not need it
+    // the threshold costs a division, and is below `n`; most draws are above `n` and do not need
+    // the threshold
     if rest < n {
         let threshold = ((1 << BITS) - u128::from(n)) as u64 % n;
         while rest < threshold {
@@ -84,8 +85,8 @@ impl Generator {
 
     /// Fills `out` with zeros and ones: numpy's `integers(0, 2, size=out.len(), dtype=np.int8)`.
     pub fn tosses(&mut self, out: &mut [i8]) {
-        // A word has four bytes, and the end of a call drops the rest: pieces of a multiple of four
-        // bytes equal the whole.
+        // A call takes whole words of four bytes and drops the unused bytes of the last word. So
+        // calls for multiples of four bytes return the same bytes as one call for all.
         let mut bytes = [0; 64];
         for piece in out.chunks_mut(bytes.len()) {
             let bytes = &mut bytes[..piece.len()];
@@ -206,8 +207,8 @@ impl Generator {
         items
     }
 
-    /// Draws uniformly from `[0, max]` by masked rejection; `max` must not be 0. This is numpy's C
-    /// function `random_interval`, which uses other words than [`integers`](Self::integers).
+    /// Draws uniformly from `[0, max]` by masked rejection; `max` must not be 0. numpy's C function
+    /// `random_interval`, which uses other words than [`integers`](Self::integers).
     fn interval(&mut self, max: usize) -> usize {
         let mask = usize::MAX >> max.leading_zeros();
         let half = u32::try_from(max).is_ok();

@@ -22,7 +22,8 @@ pub struct Seed {
     words: Vec<u32>,
 }
 
-/// The largest number of decimal digits, because the time to parse them is quadratic.
+/// The largest number of decimal digits. The limit exists because the time to parse digits is
+/// quadratic.
 const MAX_DIGITS: usize = 4300;
 
 /// An error of making a seed.
@@ -185,7 +186,7 @@ impl Serialize for Seed {
     }
 }
 
-/// Reads either form.
+/// Reads a number or a list of numbers.
 impl<'de> Deserialize<'de> for Seed {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
         struct SeedVisitor;

@@ -29,7 +29,7 @@ const BAND: usize = pygame::MOST_ROWS;
 /// The largest factor of reduction. With a larger factor, the sums would overflow.
 pub(crate) const MAX_FACTOR: usize = 256;
 
-/// A surface and the calls that draw it. It reuses its buffers between frames.
+/// A surface and the calls that draw it. The buffers are reused between frames.
 #[derive(Debug, Default)]
 pub(crate) struct DownscaledSurface {
     width: usize,
@@ -247,7 +247,7 @@ impl DownscaledSurface {
         }
     }
 
-    /// Draws the surface and writes it, reduced, to the frame.
+    /// Draws the surface, and writes the reduced surface to the frame.
     pub(crate) fn finish(&mut self, frame: &mut Frame) {
         self.shrink.start(
             (self.width, self.height),

@@ -27,7 +27,7 @@ fn clip(mut p: [i16; 2], mut q: [i16; 2], [right, bottom]: [i16; 2]) -> Option<[
             | (u8::from(y > bottom) * BOTTOM)
             | (u8::from(y < 0) * TOP)
     };
-    // each iteration moves an end to an edge; rounding can move it back, but only a few times
+    // each iteration moves an end to an edge; rounding can move the end back, but only a few times
     for _ in 0..64 {
         if outside(p) | outside(q) == 0 {
             return Some([p, q]);
@@ -76,7 +76,8 @@ fn aaline(pixels: &mut impl Pixels, p: [i32; 2], q: [i32; 2], color: Color) {
     pixels.hline(p[0], p[0], p[1], color);
     let sx = (end[0] - tx).signum();
     let (major, minor) = (dx.max(dy), dx.min(dy));
-    // pygame's 32-bit error term; at 45 degrees it overflows to 0 and moves at every step
+    // pygame's 32-bit error term; at 45 degrees the term overflows to 0, and the line moves at
+    // every step
     let step = u64::from(((minor << 16) / major) << 16);
     let step = if step == 0 { 1 << 32 } else { step };
     // the first step at which the line has moved `minor` pixels along the minor axis

@@ -18,7 +18,7 @@ pub(crate) struct RgbPixels<'a> {
     pub(crate) left: i32,
     /// Whether row 0 is the lowest.
     pub(crate) flipped: bool,
-    /// The bytes of the last long run, if they are still unchanged, and its colour.
+    /// The bytes and the colour of the last long run, as long as the bytes are unchanged.
     last: (Range<usize>, Color),
     /// The bytes of the last short run, and its colour.
     short: ([u8; SHORT], Option<Color>),

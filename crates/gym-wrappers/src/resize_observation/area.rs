@@ -24,8 +24,8 @@ enum Method {
         rows: Vec<Vec<(usize, f32)>>,
         columns: Vec<Vec<(usize, f32)>>,
     },
-    /// A size grows: for each row and column of the result, the two source rows and columns beside
-    /// it, with their weights in units of 1/2048.
+    /// A size grows: for each row and column of the result, the two nearest source rows and
+    /// columns, with their weights in units of 1/2048.
     Between { rows: Vec<Pair>, columns: Vec<Pair> },
 }
 
@@ -138,7 +138,7 @@ fn saturate(x: f32) -> u8 {
 /// For each of `target` result pixels, of a result that does not grow: the consecutive source
 /// pixels that it covers, with their weights. OpenCV's `computeResizeAreaTab`.
 pub fn shares(source: usize, target: usize) -> Vec<Vec<(usize, f32)>> {
-    /// A smaller weight is left out.
+    /// Smaller weights are dropped.
     const LEAST: f64 = 1e-3;
     let scale = 1.0 / (target as f64 / source as f64);
     let cell = |i: usize| {

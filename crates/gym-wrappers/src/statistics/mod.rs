@@ -210,7 +210,7 @@ impl RunningMeanStd {
         Err(Error::argument("RunningMeanStd", reason))
     }
 
-    /// The variance, of statistics of a single number.
+    /// Returns the variance of the first number, for statistics of a single number.
     pub(crate) fn scalar_variance(&self) -> f64 {
         match &self.moments {
             Moments::F32(of) => of.var.first().map_or(1.0, |var| f64::from(*var)),

@@ -101,7 +101,7 @@ impl<T: Real> Samples<T> {
         self.values.extend(row);
     }
 
-    /// Computes mean and variance of each column, and returns the number of rows. It overwrites the
+    /// Computes mean and variance of each column, and returns the number of rows. Overwrites the
     /// rows.
     pub(crate) fn moments(&mut self) -> usize {
         let Self {
@@ -207,7 +207,7 @@ mod tests {
     type Moments<const N: usize> = ([u64; N], [u64; N]);
 
     /// Mean and variance of `1 / (i + 3)`, alone and beside `i * i % 17` and `-1 / (2 * i + 1)`,
-    /// after a batch that is forgotten.
+    /// after another batch, which must not affect the result.
     fn moments<T: Real>(n: usize, bits: impl Fn(T) -> u64) -> (Moments<1>, Moments<3>) {
         let row = |i: usize| {
             let x = i as f64;

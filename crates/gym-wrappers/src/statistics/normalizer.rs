@@ -32,7 +32,7 @@ impl Normalizer {
         }
     }
 
-    /// Replaces the statistics. The new ones must have the same length.
+    /// Replaces the statistics by `statistics`, which must have the same length.
     pub(crate) fn set_statistics(&mut self, statistics: RunningMeanStd) -> Result<()> {
         statistics.expect_len(self.statistics.len())?;
         self.statistics = statistics;
@@ -59,8 +59,8 @@ impl Normalizer {
         self.statistics.normalize(dtype, row, self.epsilon, out);
     }
 
-    /// Updates the statistics with the rows for which `selects` is true, as one batch. `array` has
-    /// `n` rows.
+    /// Updates the statistics with one batch: the rows of `array` for which `selects` is true.
+    /// `array` has `n` rows.
     pub(crate) fn take_in(&mut self, array: &Array, n: usize, selects: impl Fn(usize) -> bool) {
         if self.updates {
             self.rows.collect(array, n, selects);
@@ -68,7 +68,7 @@ impl Normalizer {
         }
     }
 
-    /// Normalizes the rows for which `selects` is true. There are `n` rows.
+    /// Normalizes those of the `n` rows for which `selects` is true.
     pub(crate) fn normalize(
         &self,
         array: &Array,
@@ -98,7 +98,7 @@ impl Normalizer {
             .update_f64(self.rows.f32s.batches().map(Batch::widen), n);
     }
 
-    /// The standard deviation, of statistics of a single number.
+    /// Returns the standard deviation of the first number, for statistics of a single number.
     pub(crate) fn deviation(&self) -> f64 {
         (self.statistics.scalar_variance() + self.epsilon).sqrt()
     }

@@ -16,7 +16,7 @@ use crate::twists::{twists, with_seed};
 
 // state that clones share
 twists! {
-    // its info is of the last step of any clone
+    // `info` describes the last step of any clone
     "clone-apart.info" TellsOfItsClones {
         fn copied(env: &Of<Self>) -> Mind {
             Mind { shared: Arc::clone(&env.mind.shared), ..env.mind.clone() }
@@ -87,7 +87,7 @@ static CLOSED_AGAIN: AtomicU64 = AtomicU64::new(0);
 
 // `close`
 twists! {
-    // a second `close` of one environment spoils every other
+    // a second `close` of an environment spoils all other environments
     "close-harmless" FreesTwice {
         fn step(env: &mut Of<Self>, action: &Value, observation: &mut Value) -> Result<Outcome> {
             env.mind.is_spoilt.set(CLOSED_AGAIN.load(Ordering::Relaxed) > 0);
@@ -113,7 +113,7 @@ twists! {
         }
     }
 
-    // so does the second `close`, after another episode
+    // a second `close`, in a later episode than the first, spoils the environment
     "close-harmless.in-two-episodes" SpoiltByALaterClose {
         fn reset(env: &mut Of<Self>, reset: &Reset, observation: &mut Value) -> Result<()> {
             env.mind.own = env.mind.own.next_multiple_of(2);
@@ -185,7 +185,7 @@ twists! {
 
 // resets
 twists! {
-    // the option counts until the next reset with a seed
+    // the option applies until the next reset with a seed
     "reset-forgets.option-without-a-seed" KeepsAnOptionForLong, reset_options(&[("start", "0.25")]) {
         fn reset(env: &mut Of<Self>, reset: &Reset, observation: &mut Value) -> Result<()> {
             let until = if reset.seed.is_some() { 0 } else { u64::MAX };
@@ -193,7 +193,7 @@ twists! {
         }
     }
 
-    // the option counts for the next two episodes, too
+    // the option applies to the next two episodes too
     "reset-forgets.option-twice-more" KeepsAnOptionTwice, reset_options(&[("start", "0.25")]) {
         fn reset(env: &mut Of<Self>, reset: &Reset, observation: &mut Value) -> Result<()> {
             let until = if reset.seed.is_some() { 0 } else { 2 };
@@ -201,7 +201,7 @@ twists! {
         }
     }
 
-    // the option counts for each later reset with the same seed
+    // the option applies to each later reset with the same seed
     "reset-forgets.option-by-seed" KeepsTheStartOfASeed, reset_options(&[("start", "0.25")]) {
         fn reset(env: &mut Of<Self>, reset: &Reset, observation: &mut Value) -> Result<()> {
             let mut options = reset.options.clone();
@@ -217,7 +217,7 @@ twists! {
         }
     }
 
-    // the option counts for the next episode, if its own has ended
+    // if the option's episode has ended, the option applies to the next episode too
     "reset-forgets.option-after-an-end" KeepsAnOptionPastAnEnd, reset_options(&[("start", "0.25")]) {
         fn reset(env: &mut Of<Self>, reset: &Reset, observation: &mut Value) -> Result<()> {
             let mut options = reset.options.clone();
@@ -231,7 +231,7 @@ twists! {
         }
     }
 
-    // the option counts from the third later reset with its seed on
+    // the option applies from the third later reset with the same seed on
     "reset-forgets.option-by-seed-later" KeepsTheStartForLater, reset_options(&[("start", "0.25")]) {
         fn reset(env: &mut Of<Self>, reset: &Reset, observation: &mut Value) -> Result<()> {
             let mut options = reset.options.clone();
@@ -248,7 +248,7 @@ twists! {
         }
     }
 
-    // an option without a seed begins the generator anew
+    // an option without a seed resets the generator
     "options-matter.begins-anew" BeginsAnew, reset_options(&[("start", "0.25")]) {
         fn reset(env: &mut Of<Self>, reset: &Reset, observation: &mut Value) -> Result<()> {
             let has_option = reset.options.contains_key("start");
@@ -257,7 +257,7 @@ twists! {
         }
     }
 
-    // 41 resets without a step between them spoil it
+    // 41 resets without a step between them spoil the environment
     "reset-forgets.many-resets" CountsResets {
         fn reset(env: &mut Of<Self>, reset: &Reset, observation: &mut Value) -> Result<()> {
             env.mind.own += 1;
@@ -296,12 +296,13 @@ twists! {
     }
 }
 
-/// Returns the start that `option` asks for, if the walk accepts it.
+/// Returns the start position `option`; `None` if the walk does not accept the position.
 fn start(option: &Json) -> Option<f64> {
     option.as_f64().filter(|start| start.abs() <= 1.0)
 }
 
-/// Resets with the option `start`, and keeps it for the `episodes` resets that follow without one.
+/// Resets with the option `start`. The next `episodes` resets without the option use the same
+/// start.
 fn with_kept<T: Twist>(
     env: &mut Of<T>,
     reset: &Reset,
@@ -366,7 +367,7 @@ twists! {
         }
     }
 
-    // the argument scales the reward, and the snapshot does not check it
+    // the argument scales the reward, and `restore` does not compare the argument
     "snapshot-refused.other-argument" TakesOtherArguments (Number) {
         fn step(env: &mut Of<Self>, action: &Value, observation: &mut Value) -> Result<Outcome> {
             let outcome = env.walk.step_into(action, observation)?;
@@ -397,7 +398,7 @@ twists! {
         }
     }
 
-    // after a second of real time, an episode goes on otherwise
+    // after a second of real time, the dynamics change
     "clock-unread" ReadsAClock {
         fn step(env: &mut Of<Self>, action: &Value, observation: &mut Value) -> Result<Outcome> {
             let is_late = env.mind.begun.is_some_and(|begun| begun.elapsed() > Duration::from_secs(1));

@@ -12,21 +12,21 @@ use serde_json::Value as Json;
 use crate::pairs::{pairs, scaled_step};
 use crate::twisted::{Mind, Twist, Twisted as Of};
 
-/// Draws the walk and the place that `own` holds.
+/// Draws the walk, and a mark at the position in `own`.
 fn draw_own<T: Twist>(env: &Of<T>, canvas: &mut dyn Canvas) {
     env.walk.draw(canvas);
     let x = f64::from_bits(env.mind.own);
     canvas.circle([100.0 + 90.0 * x, 10.0], 4.0, Color::BLACK);
 }
 
-/// Returns the larger of the position and the place that `own` holds.
+/// Returns the larger of the position and the position in `own`.
 fn farthest<T: Twist>(env: &Of<T>) -> u64 {
     f64::from_bits(env.mind.own)
         .max(env.walk.position())
         .to_bits()
 }
 
-/// Stores the walk with `own`.
+/// Returns a snapshot of the walk and `own`.
 fn stored_own<T: Twist>(env: &Of<T>) -> Result<Snapshot> {
     Snapshot::of(&(env.stored()?.get::<Json>()?, env.mind.own))
 }
@@ -44,7 +44,7 @@ fn restore_own<T: Twist>(env: &mut Of<T>, snapshot: &Snapshot) -> Result<()> {
 
 // pictures and texts
 pairs! {
-    // the mark of the farthest place stays from episode to episode
+    // the mark of the farthest position stays from episode to episode
     "state-shown" "drawing-after-reset" KeepsTheMark {
         fn reset(env: &mut Of<Self>, reset: &Reset, observation: &mut Value) -> Result<()> {
             env.walk.reset_into(reset, observation)?;
@@ -121,7 +121,7 @@ pairs! {
         }
     }
 
-    // the text names the object, not the state
+    // the text contains the number of the object, which is not part of the state
     "state-shown" "text" TellsItsNumber scaled_step {
         fn metadata(_: &Of<Self>) -> Metadata {
             Metadata {

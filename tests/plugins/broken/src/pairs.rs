@@ -19,8 +19,8 @@ pub(crate) fn scaled_step<T: Twist<Arguments = Scale>>(
     })
 }
 
-/// Defines twists, and registers a walk with the fault and one without. A name before the braces is
-/// the function that takes their steps.
+/// Defines twists, and registers for each a walk with the fault and a walk without the fault. A
+/// name before the braces is the function that steps both walks.
 macro_rules! pairs {
     ($($check:literal $name:literal $Twist:ident $(($Arguments:ident))? $($step:ident)? { $($item:item)* })*) => {$(
         #[doc = concat!("`", $check, ".", $name, "`, and without `BAD` its sound twin.")]

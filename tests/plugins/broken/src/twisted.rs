@@ -22,7 +22,7 @@ pub(crate) struct Twisted<T: Twist> {
     twist: PhantomData<fn() -> T>,
 }
 
-/// The memory of a twist. Snapshots do not contain it.
+/// The memory of a twist, which snapshots do not contain.
 #[derive(Debug, Default)]
 pub(crate) struct Mind {
     /// The steps since the last seed.
@@ -34,14 +34,14 @@ pub(crate) struct Mind {
     /// Whether an episode has begun, and whether it has ended.
     pub(crate) is_begun: bool,
     pub(crate) is_over: bool,
-    /// What clones share, if the twist lets them share.
+    /// The state that clones share, if the twist makes clones share state.
     pub(crate) shared: Arc<AtomicU64>,
     pub(crate) own: u64,
     /// A generator other than the walk's.
     pub(crate) other: Option<Generator>,
     /// The time at which the episode began.
     pub(crate) begun: Option<Instant>,
-    /// The walk's observation, if the twist shows another one.
+    /// The walk's own observation, for twists that return another observation.
     pub(crate) seen: Value,
 }
 

@@ -19,7 +19,8 @@ use serde_json::Value as Json;
 use crate::arguments::{Anything, Number};
 use crate::twisted::{Mind, Twist, Twisted as Of};
 
-/// Defines twists, and registers a walk with each under the name of the check that must find it.
+/// Defines twists, and registers a walk with each twist under the name of the check that must find
+/// the twist.
 macro_rules! twists {
     ($($name:literal $Twist:ident $(($Arguments:ident))? $(, $method:ident($($argument:expr)?))* { $($item:item)* })*) => {$(
         #[doc = concat!("`", $name, "`")]
@@ -126,7 +127,7 @@ twists! {
         }
     }
 
-    // stores its age, but not what happened at a certain age
+    // the snapshot contains the age, but not the event at a certain age
     "snapshot-continues.event" ForgetsAnEvent {
         fn snapshot(env: &Of<Self>) -> Result<Snapshot> {
             env.snapshot_with_age()
@@ -174,7 +175,7 @@ twists! {
     }
 }
 
-// how episodes begin, what they show and what they accept
+// twists of resets, observations and accepted actions
 twists! {
     "no-panic.argument" PanicsWithoutSize (Number) {
         fn step(env: &mut Of<Self>, action: &Value, observation: &mut Value) -> Result<Outcome> {
@@ -223,7 +224,7 @@ twists! {
         }
     }
 
-    // lends a generator that it also draws from itself
+    // lends a copy of the generator, and steps draw from the original
     "generator-lent.copy" LendsACopy {
         fn generator(env: &mut Of<Self>) -> Option<&mut Generator> {
             env.mind.other = env.walk.generator().cloned();
@@ -539,7 +540,7 @@ twists! {
     }
 }
 
-// what is queried, refused, or over
+// twists of queries, refused calls, and ended episodes
 twists! {
     "looking-pure.action-space" ActionSpaceSpoils {
         fn action_space(env: &Of<Self>) -> Space {
@@ -562,7 +563,7 @@ twists! {
         }
     }
 
-    // a single read changes nothing
+    // a single call has no effect
     "looking-pure.info" InfoSpoils {
         fn info(env: &Of<Self>, visit: &mut dyn FnMut(&str, Value)) {
             if env.look() >= 3 {
@@ -711,7 +712,7 @@ twists! {
     }
 }
 
-/// Spoils the episode if it is called after the third step.
+/// Spoils the episode if the function is called after the third step.
 fn spoil_third<T: Twist>(env: &Of<T>) {
     if env.mind.is_begun && env.mind.age == 3 {
         env.mind.is_spoilt.set(true);
@@ -915,7 +916,7 @@ twists! {
         }
     }
 
-    // is registered as nondeterministic, so that nothing is compared; ignores the seed
+    // ignores the seed; registered as nondeterministic, so the checks compare no episodes
     "none.by-chance" ByChance (Number), reset_options(&[("start", "0.25")]), nondeterministic() {
         fn reset(env: &mut Of<Self>, reset: &Reset, observation: &mut Value) -> Result<()> {
             env.walk.reset_into(&Reset { seed: None, ..reset.clone() }, observation)
@@ -978,7 +979,7 @@ twists! {
         }
     }
 
-    // random walks do not keep one direction that long
+    // the random walks of the checks are shorter in one direction than this
     "none.effect-elsewhere" EffectElsewhere (Number), reset_options(&[("start", "0.25")]) {
         fn step(env: &mut Of<Self>, action: &Value, observation: &mut Value) -> Result<Outcome> {
             let outcome = env.walk.step_into(action, observation)?;

@@ -15,7 +15,7 @@ use crate::pairs::pairs;
 use crate::twisted::{Mind, Twist, Twisted as Of};
 use crate::twists::with_seed;
 
-/// Returns the first number of a buffer, if it is a finite one.
+/// Returns the first number of a buffer, if the number is finite.
 fn first(buffer: &Value) -> Option<f32> {
     let numbers = buffer.as_array()?.as_slice::<f32>()?;
     numbers.first().copied().filter(|x| x.is_finite())
@@ -124,7 +124,7 @@ fn modulo_2_128(digits: &str) -> u128 {
 
 // options
 pairs! {
-    // the first reset needs a seed if it has an option
+    // the first reset refuses an option without a seed
     "options-accepted" "without-a-seed" NeedsASeedFirst scaled_step {
         fn reset(env: &mut Of<Self>, reset: &Reset, observation: &mut Value) -> Result<()> {
             if BAD && !env.mind.is_begun && reset.seed.is_none() && !reset.options.is_empty() {
@@ -144,7 +144,7 @@ pairs! {
         }
     }
 
-    // an option counts for the whole episode, and the snapshot does not contain it
+    // an option applies to the whole episode, and the snapshot does not contain the option
     "snapshot-continues" "option" ForgetsItsOption {
         fn reset(env: &mut Of<Self>, reset: &Reset, observation: &mut Value) -> Result<()> {
             env.walk.reset_into(reset, observation)?;
@@ -199,7 +199,7 @@ pairs! {
         }
     }
 
-    // fast steps by chance
+    // with `fast`, the reward has a random part from the operating system
     "same-seed-same-episode" "argument" FastByChance (Mode) {
         fn step(env: &mut Of<Self>, action: &Value, observation: &mut Value) -> Result<Outcome> {
             let chance = if BAD && env.arguments.fast { Generator::from_os()?.random() } else { 0.0 };
@@ -352,9 +352,9 @@ static CURRENT: [AtomicU64; 2] = [AtomicU64::new(0), AtomicU64::new(0)];
 /// The number of walks that were reset.
 static WALKS: AtomicU64 = AtomicU64::new(0);
 
-// more than one environment
+// faults that need more than one environment
 pairs! {
-    // the world is global: a walk that is not the last one that was used goes on in another's wind
+    // all walks share one global world: a step uses the wind of the walk that was called last
     "clone-apart" "in-turn" LivesInOneWorld {
         fn copied(env: &Of<Self>) -> Mind {
             Mind { own: 0, ..env.mind.clone() }

@@ -9,25 +9,25 @@ use crate::twisted::Twisted;
 #[derive(Clone, Copy, PartialEq)]
 enum Fault {
     None,
-    /// The final observations are those of the next episodes.
+    /// The final observations are the first observations of the next episodes.
     Final,
     /// A mask is ignored.
     Mask,
     /// The step that begins an episode has the reward of a step.
     Reward,
-    /// The time limit is one step longer.
+    /// The time limit is one step too long.
     Limit,
-    /// All sub-environments have one seed.
+    /// All sub-environments have the same seed.
     Seeds,
-    /// A restored vector has the first observations, and begins anew.
+    /// A restored vector has the observations of the reset, and starts from there.
     Snapshot,
     /// Options do not reach the sub-environments.
     Options,
-    /// Infos are those of the next sub-environment.
+    /// The infos of each sub-environment are the infos of the next sub-environment.
     Infos,
     /// Arguments of single sub-environments do not reach them.
     Each,
-    /// Closing it has no effect.
+    /// `close` has no effect.
     Close,
     /// Every sub-environment after the eighth steps twice.
     Remainder,

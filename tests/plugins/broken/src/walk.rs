@@ -59,7 +59,7 @@ const STEP: f64 = 0.2;
 const WIND: f64 = 0.1;
 /// The time limit.
 const LIMIT: u32 = 12;
-/// More consecutive steps in one direction than a random walk makes.
+/// A number of consecutive steps in one direction that a random walk does not reach.
 const LONG: u32 = 30;
 /// More steps than any short comparison makes.
 const LATE: u32 = 300;
@@ -225,7 +225,7 @@ impl<C> Walk<C> {
         match self.fault {
             Fault::SameSeedSameEpisode => unit(self.number),
             Fault::CloneApart => unit(self.shared.fetch_add(1, Ordering::Relaxed)),
-            // its own steps and those of a short comparison are fewer
+            // the steps of this walk and of a short comparison are fewer
             Fault::CloneApartLate => late(self.shared.fetch_add(1, Ordering::Relaxed) / 2),
             Fault::SameSeedSameEpisodeLate => late(STEPS.fetch_add(1, Ordering::Relaxed)),
             Fault::SnapshotContinuesLate => late(self.age.into()),
@@ -399,7 +399,7 @@ impl<C: 'static> Env for Walk<C> {
         self.age = self.age.saturating_add(1);
         state.wind = state.rng.uniform(-1.0, 1.0);
         let moved = state.position + direction * STEP + state.wind * WIND + disturbance;
-        // the walk may leave the line if the action is not checked
+        // without a check of the action, the walk may leave the line
         let reach = match self.fault {
             Fault::SnapshotLegal => state.position.abs().max(1.0),
             _ => direction.abs().max(1.0),
@@ -462,7 +462,8 @@ impl<C: 'static> Env for Walk<C> {
             }),
             (_, _, state) => state,
         };
-        // the number is part of the state: a restored environment counts as the stored one
+        // the number is part of the state: a restored environment has the number of the stored
+        // environment
         self.number = state.as_ref().map_or(self.number, |state| state.number);
         self.state = state;
         Ok(())

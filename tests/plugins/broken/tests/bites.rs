@@ -15,7 +15,8 @@ static REPORTS: LazyLock<Vec<Report>> = LazyLock::new(|| {
     gym_conform::reports(&gym_conform::ids_of("broken-envs")).expect("the ids are registered")
 });
 
-/// Returns the check that an id is named after, without the suffix that tells several faults apart.
+/// Returns the name of the check that the id contains, without the suffix that distinguishes
+/// several faults of one check.
 fn expected(id: &str) -> &str {
     let name = id.strip_prefix("broken/").expect("an id of this crate");
     let name = name.strip_suffix("-v0").unwrap_or(name);
@@ -31,7 +32,8 @@ fn each_check_flags_its_fault_and_no_other() {
             .map(|finding| finding.check)
             .collect();
         match expected(&report.id) {
-            // a correct environment passes all checks; a nondeterministic one skips comparisons
+            // a correct environment passes all checks; a nondeterministic environment skips
+            // comparisons
             "none" if report.id.contains("by-chance") => {
                 flagged.is_empty() && compares_nothing(report)
             }
@@ -43,7 +45,7 @@ fn each_check_flags_its_fault_and_no_other() {
     assert!(wrong.is_empty(), "{wrong:#?}");
 }
 
-/// Whether only the checks of equal episodes, and those that depend on them, were skipped.
+/// Whether the report skips only the checks of equal episodes, and checks that depend on these.
 fn compares_nothing(report: &Report) -> bool {
     let is_chance = |reason: &str| {
         reason == "it is registered as nondeterministic" || reason.starts_with("it depends on")
@@ -99,7 +101,8 @@ fn an_unregistered_environment_is_checked_as_well() {
     assert_eq!(check(broken_envs::Fault::Constructs), ["constructs"]);
 }
 
-/// A third-party wrapper that drops a limit is found, although neither is registered.
+/// A third-party wrapper that drops a limit is found, although neither the wrapper nor its
+/// environment is registered.
 #[test]
 fn a_limit_that_is_lost_on_the_way_is_seen_without_a_registration() {
     #[derive(Clone, Debug)]
@@ -217,7 +220,7 @@ impl gym_core::Wrapper for Own {
     }
 }
 
-/// The count of steps of a `TimeLimit` shows whether it ended an episode or a wrapper did. This
+/// The step count of a `TimeLimit` shows whether the limit or a wrapper ended an episode. This
 /// holds for wrappers around the result of `make`, and around one or two limits.
 #[test]
 fn wrappers_that_end_episodes_by_themselves_are_seen() {

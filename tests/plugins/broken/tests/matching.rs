@@ -8,7 +8,7 @@ use gym_core::wrappers::Render;
 use gym_core::{BoxEnv, Env, Outcome, Reset, Result, Space, Value};
 use gym_render as _;
 
-/// The difference of one of the two walks.
+/// The difference between the two walks.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 enum Otherwise {
     #[default]

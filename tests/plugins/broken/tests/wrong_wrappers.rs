@@ -18,11 +18,11 @@ enum Fault {
     Seed,
     /// Does not store its count.
     Snapshot,
-    /// Counts on after a reset.
+    /// Continues its count after a reset.
     Reset,
     /// Shares its count with its clones.
     Clone,
-    /// Does not change the space of the observations that it doubles.
+    /// Doubles the observations, but does not change the observation space.
     Space,
     /// Adds the old content of the buffer.
     Buffer,

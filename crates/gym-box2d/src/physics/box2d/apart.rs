@@ -7,8 +7,8 @@ use super::shape::MAX_VERTICES;
 use super::time_of_impact::Moving;
 
 /// The margin between the bound of [`stays_away`] and the distance at which
-/// [`time_of_impact`](super::time_of_impact) reports an impact. It is far larger than rounding
-/// errors.
+/// [`time_of_impact`](super::time_of_impact) reports an impact. The margin is far larger than
+/// rounding errors.
 const MARGIN: f32 = 0.5 * LINEAR_SLOP;
 /// The largest rotation within a step that the test handles, in rad.
 const MAX_TURN: f32 = 0.5;

@@ -100,8 +100,9 @@ impl BroadPhase {
         self.free.push(id);
     }
 
-    /// Updates a proxy after its fixture moved by `displacement` within `aabb`. The box stays the
-    /// same if it still contains `aabb`.
+    /// Updates the enlarged box of a proxy after its fixture moved by `displacement`. `aabb`
+    /// contains the fixture before and after the motion. An enlarged box that contains `aabb` does
+    /// not change.
     pub(crate) fn update(&mut self, id: u32, aabb: &Aabb, displacement: Vec2) {
         let place = self.place(id);
         let fat = &mut self.proxies[place].fat;

@@ -141,7 +141,8 @@ fn polygon_separation(
     v2: Vec2,
     normal: Vec2,
 ) -> Option<(usize, f32)> {
-    // Box2D's limit on the angle of a face; for an edge without adjacent edges it excludes no face
+    // Box2D's limit on the angle of a face; for an edge without adjacent edges, the limit excludes
+    // no face
     let limit = -normal;
     let mut best = None;
     let mut best_separation = -f32::MAX;

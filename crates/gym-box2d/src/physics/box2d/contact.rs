@@ -30,7 +30,7 @@ pub(crate) struct Contact {
     pub(crate) toi: Option<f32>,
     /// The number of times of impact that this contact had in this step.
     pub(crate) toi_count: u32,
-    /// Whether a new joint may forbid the contact, so that it must be checked again.
+    /// Whether a new joint may forbid the contact, so that the contact must be checked again.
     pub(crate) refilter: bool,
 }
 

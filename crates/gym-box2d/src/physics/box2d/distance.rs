@@ -8,7 +8,7 @@ use super::shape::Geometry;
 
 const MAX_ITERATIONS: usize = 20;
 
-/// The features that were closest in the last call; the next call starts from them.
+/// The features that were closest in the last call; the next call starts from these features.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Cache {
     metric: f32,

@@ -21,7 +21,7 @@ pub(super) struct Begun {
 }
 
 /// The members of an island in the order of solving, and the working memory of a step. Several
-/// worlds may share one `Island`, because it has no state between steps.
+/// worlds may share one `Island`, because an `Island` has no state between steps.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Island {
     pub(crate) bodies: Vec<u32>,
@@ -166,7 +166,7 @@ impl Island {
         }
     }
 
-    /// Integrates positions, corrects them, and updates sleep.
+    /// Integrates positions, corrects the positions, and updates sleep.
     pub(crate) fn move_on(&mut self, world: &mut Box2d, step: &TimeStep) {
         self.integrate(step.dt);
         let solved = (0..step.position_iterations).any(|_| self.solve_positions());

@@ -61,8 +61,8 @@ use super::{
     BodyDef, ContactEvent, Filter, FixtureDef, FixtureId, RayHit, RevoluteJointDef, Shape,
 };
 
-/// The capacity of a step's working memory. It exceeds the needs of the environments, so that a
-/// step does not allocate.
+/// The capacity of a step's working memory. The capacity exceeds the needs of the environments, so
+/// that a step does not allocate.
 const CONTACTS: usize = 64;
 const BODIES: usize = 32;
 const JOINTS: usize = 8;
@@ -263,8 +263,8 @@ impl Box2d {
             .reserve_exact(more(EVENTS_EACH, self.events.len()));
     }
 
-    /// Reads one or two numbers of each object, to prefetch its cache lines. It uses no index, so
-    /// it works even if a panic left the world inconsistent.
+    /// Reads one or two numbers of each object, to prefetch its cache lines. The function uses no
+    /// index, so it works even if a panic left the world inconsistent.
     pub(crate) fn prefetch(&self) -> u32 {
         let joints = self
             .joints

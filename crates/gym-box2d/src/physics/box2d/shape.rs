@@ -11,7 +11,7 @@ use crate::physics::Shape;
 /// The most vertices of a polygon: Box2D's default. (pybox2d allows 16.)
 pub(crate) const MAX_VERTICES: usize = 8;
 
-/// The kind of a shape; it selects Box2D's algorithm.
+/// The kind of a shape, which selects Box2D's algorithm.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub(crate) enum Kind {
     Circle,
@@ -257,8 +257,8 @@ impl Geometry {
         }
     }
 
-    /// Returns the fraction of the way from `from` to `to` at which the ray hits the shape, if it
-    /// is at most `limit`.
+    /// Returns the fraction of the way from `from` to `to` at which the ray hits the shape, if the
+    /// fraction is at most `limit`.
     pub(crate) fn ray_cast(&self, xf: &Pose, from: Vec2, to: Vec2, limit: f32) -> Option<f32> {
         let origin = xf.translation.vector;
         let p1 = rotate_back(xf.rotation, from - origin);
@@ -339,8 +339,8 @@ impl Segment {
         }
     }
 
-    /// Returns the fraction of the way from `p1` to `p1 + d` at which the ray hits the edge, if it
-    /// is at most `limit`.
+    /// Returns the fraction of the way from `p1` to `p1 + d` at which the ray hits the edge, if the
+    /// fraction is at most `limit`.
     #[inline]
     pub(crate) fn ray_cast(&self, p1: Vec2, d: Vec2, limit: f32) -> Option<f32> {
         let denominator = dot(self.normal, d);

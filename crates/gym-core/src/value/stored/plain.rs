@@ -57,7 +57,7 @@ pub(crate) fn check_length(items: &[Json], expected: usize) -> Result<(), Fault>
     )))
 }
 
-/// A number as JSON; as text if JSON lacks it.
+/// Reads a number: a JSON number, or the text `"inf"`, `"-inf"` or `"NaN"`.
 pub(crate) fn parse_number(json: &Json) -> Result<Number, Fault> {
     let number = match json {
         Json::Number(number) => match (number.as_i64(), number.as_u64()) {

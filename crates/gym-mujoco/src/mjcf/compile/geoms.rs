@@ -101,8 +101,8 @@ pub(super) fn add_geom(
     })
 }
 
-/// Refuses a mesh that is more than a picture: the engine does not read its surface. `weighs` says
-/// whether the mass of the geom counts.
+/// Returns an error for a mesh that affects more than rendering, because the engine does not read
+/// its surface. `weighs`: whether the mass of the geom counts.
 pub(super) fn check_mesh(geom: &Geom, spec: &Spec, weighs: bool) -> Result<()> {
     let error = |name, reason: &str| Err(geom.place.attribute(name, reason));
     let Some(mesh) = &geom.mesh else {

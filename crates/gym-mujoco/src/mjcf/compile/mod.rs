@@ -96,7 +96,7 @@ fn scale_mass(m: &mut CompiledModel, total: Option<f64>) {
         .for_each(|moment| *moment *= scale);
 }
 
-/// Refuses bodies that can move and have no mass: their acceleration would be infinite.
+/// Refuses movable bodies without mass, whose acceleration would be infinite.
 fn check_mass(m: &CompiledModel, spec: &Spec) -> Result<()> {
     let mut heavy: Vec<bool> = (0..m.nbody())
         .map(|b| {
@@ -225,7 +225,8 @@ fn check_names(spec: &Spec) -> Result<()> {
     Ok(())
 }
 
-/// Whether a range is a limit. By default it is one if it is given.
+/// Returns whether a joint, tendon or actuator limit is active. `stated` is the XML attribute. If
+/// the attribute is missing, a limit is active if its range is in the XML.
 fn limited(
     stated: Option<bool>,
     range: [f64; 2],

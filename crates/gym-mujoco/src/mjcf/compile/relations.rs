@@ -217,7 +217,7 @@ pub(super) fn add_equalities(m: &mut CompiledModel, spec: &Spec) -> Result<()> {
             _ if equality.sites => ObjectType::Site,
             _ => ObjectType::Body,
         };
-        // the second body is the world, if it is not named
+        // if the second body is not named, the world is the second body
         let second = if objects == ObjectType::Body {
             second.max(0)
         } else {
@@ -258,14 +258,15 @@ pub(super) fn add_keys(m: &mut CompiledModel, spec: &Spec) -> Result<()> {
             };
             let (have, need) = (numbers.len(), default.len());
             if (least..=need).contains(&have) {
-                // the rest is as in the initial state
+                // the missing numbers are those of the initial state
                 return Ok([&numbers[..], &default[have..]].concat());
             }
             Err(key
                 .place
                 .attribute(name, format!("{have} numbers, and the model needs {need}")))
         };
-        // lists of joints and actuators may be shorter; those of mocap bodies may not
+        // lists for joints and actuators may be shorter than in the model; lists for mocap bodies
+        // may not
         let mut qpos = fitting("qpos", &key.qpos, &m.qpos0, 0)?;
         normalize_quaternions(m, &mut qpos);
         let qvel = fitting("qvel", &key.qvel, &vec![0.0; m.nv()], 0)?;

@@ -61,7 +61,7 @@ pub(crate) struct Spec {
 }
 
 impl Spec {
-    /// Adds to an error of the compiled model the place in the text that caused it.
+    /// Adds the line and element of the XML that caused `error`, an error of the compiled model.
     pub(crate) fn located(&self, error: Error) -> Error {
         let geom = match error {
             Error::Pair { second, .. } => {

@@ -149,7 +149,7 @@ impl Equality {
     }
 }
 
-/// A keyframe. Parts that it leaves out are those of the initial configuration.
+/// A keyframe. Missing parts have the values of the initial configuration.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct Key {
     pub(crate) place: Place,

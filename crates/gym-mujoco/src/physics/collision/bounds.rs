@@ -16,8 +16,8 @@ use crate::model::bounds::{Bounds, bounding_box, meetings};
 use crate::model::{GeomType, Pair};
 use crate::physics::MAXVAL;
 
-/// If a contact is deeper below the margin than this, rounding cannot drop it: a plane's box has
-/// sides of 1e10.
+/// If a contact is deeper below the margin than this, rounding cannot drop the contact, although a
+/// plane's box has sides of 1e10.
 pub(in crate::physics) const ROUNDING: f64 = 1e-5;
 
 /// A frame: its origin and axes.

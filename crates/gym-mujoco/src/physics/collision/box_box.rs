@@ -11,7 +11,7 @@ use super::{Hit, Shape};
 const SEPARATION: f64 = 1e-13;
 /// The square of a sine below which edges are parallel.
 const PARALLEL: f64 = 1e-16;
-/// A component of an axis below which its sign says nothing.
+/// The magnitude below which a component of an axis counts as zero.
 const NO_SIGN: f64 = 1e-9;
 /// The square of the relative distance below which two points count as the same.
 const SAME: f64 = 1e-14;
@@ -20,7 +20,8 @@ const EDGE_BIAS: f64 = 1e-6;
 /// The most corners of a clipped face.
 const CORNERS: usize = 12;
 
-/// The winning axis: a face of the first box, of the second, or two edges.
+/// The separating axis with the least overlap: a face normal of the first box, a face normal of the
+/// second box, or the cross product of two edges.
 #[derive(Clone, Copy)]
 enum Axis {
     First(usize),
@@ -120,7 +121,7 @@ impl Boxes<'_> {
         Some(winner)
     }
 
-    /// The separation along the product of two edges; `None` if they are parallel.
+    /// The separation along the cross product of two edges; `None` if they are parallel.
     fn edge_separation(&self, i: usize, j: usize) -> Option<f64> {
         let (s1, s2, rot) = (self.a.size, self.b.size, &self.rot);
         let (i1, i2) = ((i + 1) % 3, (i + 2) % 3);
@@ -139,7 +140,7 @@ impl Boxes<'_> {
         Some((x * self.pos21[i1] + y * self.pos21[i2]).abs() - radius1 - radius2)
     }
 
-    /// The product of two edges in the first box's frame, at length 1.
+    /// The cross product of two edges in the first box's frame, scaled to length 1.
     fn edge_axis(&self, i: usize, j: usize) -> Vec3 {
         let (i1, i2) = ((i + 1) % 3, (i + 2) % 3);
         let mut axis = [0.0; 3];
@@ -217,7 +218,8 @@ impl Boxes<'_> {
         });
     }
 
-    /// Adds a contact at each corner of the part of one box's face that lies over the other's face.
+    /// Clips the incident face of one box against the reference face of the other box, and adds a
+    /// contact at each corner of the result.
     fn faces(&self, a: usize, first: bool, push: &mut impl FnMut(Hit)) {
         let (reference, incident, at) = if first {
             (&self.a, &self.b, self.pos21)

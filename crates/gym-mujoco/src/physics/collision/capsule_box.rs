@@ -64,8 +64,8 @@ pub(super) fn capsule_box(
 }
 
 impl Segment {
-    /// The nearest part of the box, and the position on the segment (-1 to 1) that is nearest to
-    /// it.
+    /// The part of the box nearest to the segment, and the nearest position on the segment (-1 to
+    /// 1).
     fn nearest(&self, most: f64, length: f64) -> Option<(Nearest, f64)> {
         let mut best = most;
         let mut found = None;
@@ -174,7 +174,7 @@ impl Segment {
         }
     }
 
-    /// The length along the segment over which it crosses the box in direction `axis`, in half
+    /// The length of the part of the segment between the two faces of the box along `axis`, in half
     /// lengths of the segment.
     fn covered(&self, axis: usize) -> f64 {
         2.0 * self.size[axis] / self.half[axis].abs()

@@ -1,6 +1,6 @@
-//! Contacts of two convex shapes: MuJoCo's `mjc_Convex`. Spheres and capsules are first replaced by
-//! their centres and axes, and from 4.0 on all shapes lose their margin first. Their distance gives
-//! the contact unless they overlap; in that case the whole shapes are compared.
+//! Contacts of two convex shapes: MuJoCo's `mjc_Convex`. The distance of the spheres' centres and
+//! the capsules' axes gives the contact, and from 4.0 on the distance of all shapes without their
+//! margin. If these overlap, the whole shapes are compared.
 
 use super::super::spatial::{
     InTurn, MINVAL, Mat3, Order, Vec3, add, add_scaled, axis_angle, column, dot, norm, normalize,
@@ -31,7 +31,7 @@ impl Solid<'_> {
         matches!(self.kind, GeomType::Sphere | GeomType::Capsule).then_some(self.shape.size[0])
     }
 
-    /// Whether the search for further contacts makes sense for the shape.
+    /// Whether the shape has flat or straight parts, where more than one contact is possible.
     fn is_flat(&self) -> bool {
         !matches!(self.kind, GeomType::Sphere | GeomType::Ellipsoid)
     }
@@ -73,8 +73,9 @@ impl Solid<'_> {
     }
 }
 
-/// Before 4.0: the contact of two shapes, and up to four more. To find those, the shapes are turned
-/// a little about the first contact; a contact counts if it is at least `apart` from the others.
+/// Finds the contacts of two shapes before MuJoCo 4.0: a first contact, and up to four more. For
+/// each further contact, the function rotates both shapes by a small angle about the first contact.
+/// A contact counts if its distance to all others is at least `apart`.
 pub(super) fn contacts(
     a: Solid<'_>,
     b: Solid<'_>,
@@ -150,7 +151,7 @@ fn turned(shape: Shape<'_>, about: Vec3, turn: &Mat3) -> (Vec3, Mat3) {
     )
 }
 
-/// The deepest points of two shapes.
+/// Returns the deepest points of two shapes; `None` without a contact.
 pub(super) fn one(
     a: Solid<'_>,
     b: Solid<'_>,
@@ -227,8 +228,8 @@ pub(super) fn one(
     })
 }
 
-/// For each shape, its corners at the first three vertices; at the first again for vertices that do
-/// not exist.
+/// Returns for each shape the corners at the first three vertices. The first vertex stands in for
+/// missing vertices.
 fn corners(simplex: &[Vertex]) -> [[u8; 3]; 2] {
     let last = simplex.len() - 1;
     [0, 1].map(|k| [0, 1, 2].map(|i: usize| simplex[if i <= last { i } else { 0 }].corners[k]))
@@ -237,10 +238,10 @@ fn corners(simplex: &[Vertex]) -> [[u8; 3]; 2] {
 /// The deepest points of two shapes.
 #[derive(Clone, Copy)]
 pub(super) struct Touch {
-    /// Their distance, without the margin.
+    /// The distance of the shapes, without the margin.
     pub(super) dist: f64,
     pub(super) points: [Vec3; 2],
-    /// For each shape, its corners where they touch.
+    /// For each shape, the corners at the contact.
     pub(super) corners: [[u8; 3]; 2],
 }
 

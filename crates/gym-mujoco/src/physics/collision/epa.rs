@@ -26,14 +26,15 @@ pub(crate) struct Polytope {
     candidates: Vec<usize>,
     /// The horizon: faces that stay, each with the edge that it shares with a removed face.
     horizon: Vec<(usize, usize)>,
-    /// The corners of a face, and the points of what lies on it, before and after a cut.
+    /// Buffers to clip polygons: the corners of the reference face, and the incident polygon before
+    /// and after it is clipped.
     pub(super) polygons: [Vec<Vec3>; 3],
 }
 
 #[derive(Clone, Debug)]
 struct Face {
     corners: [usize; 3],
-    /// The neighbour across the edge from each corner to the next.
+    /// For each edge, from a corner to the next: the face on the other side.
     beyond: [usize; 3],
     /// The projection of the origin on the face, and the square of its distance.
     nearest: Vec3,
@@ -45,13 +46,13 @@ struct Face {
 pub(super) struct Overlap {
     /// The deepest point of each set in the other.
     pub(super) nearest: [Vec3; 2],
-    /// By how much they overlap.
+    /// The penetration depth.
     pub(super) depth: f64,
     /// The corners of the face of the difference that is nearest to the origin.
     pub(super) corners: [Vertex; 3],
 }
 
-/// Whether a face is a candidate; if so, its index in the list.
+/// Whether a face is a candidate for the nearest face, with the index in the list of candidates.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Place {
     Candidate(usize),
@@ -123,7 +124,7 @@ impl Polytope {
         self.vertices.len() - 1
     }
 
-    /// Inserts the vertex that is furthest in a direction, whose length is given.
+    /// Inserts the vertex furthest in `direction`, which has the length `length`.
     fn insert_furthest(
         &mut self,
         direction: Vec3,
@@ -164,7 +165,7 @@ impl Polytope {
         square
     }
 
-    /// Starts from a line: two pyramids on a triangle around it: MuJoCo's `polytope2`.
+    /// Starts from a line, with two pyramids on a triangle around the line: MuJoCo's `polytope2`.
     fn start_from_line(
         &mut self,
         [a, b]: [Vertex; 2],
@@ -219,7 +220,7 @@ impl Polytope {
         self.start_from_triangle(triangle, support)
     }
 
-    /// Starts from a triangle: a pyramid on each of its sides: MuJoCo's `polytope3`.
+    /// Starts from a triangle, with a pyramid on each side of the triangle: MuJoCo's `polytope3`.
     fn start_from_triangle(
         &mut self,
         t: [Vertex; 3],
@@ -274,9 +275,10 @@ impl Polytope {
         Some(())
     }
 
-    /// Starts from the convex hull of a triangle and a point on each side of it, from 4.0 on. If
-    /// the line through the points crosses the triangle: two pyramids on it. If the line passes an
-    /// edge: two pyramids on another triangle. If it passes a corner: a tetrahedron.
+    /// Starts from the convex hull of a triangle and a point on each side of the triangle, from 4.0
+    /// on. If the line through the points crosses the triangle, the hull is two pyramids on the
+    /// triangle. If the line passes beside an edge, the hull is two pyramids on another triangle;
+    /// if beside a corner, a tetrahedron.
     fn start_around(&mut self, [v1, v2, v3]: [usize; 3], [v4, v5]: [usize; 2]) -> Option<()> {
         let at = |v: usize| self.vertices[v].x;
         let volumes = volumes_about([at(v4), at(v5)], [v1, v2, v3].map(at));
@@ -453,7 +455,8 @@ impl Polytope {
         }
     }
 
-    /// Continues at a face that was entered across the edge that starts at `corner`.
+    /// Continues [`find_horizon`](Self::find_horizon) at `face`, from the other side of its edge
+    /// that starts at `corner`.
     fn look_beyond(&mut self, face: usize, corner: usize, w: Vec3) {
         let Face {
             corners,
@@ -484,7 +487,7 @@ impl Polytope {
 
 /// The rotation by 120 degrees about an axis.
 fn third_of_a_turn(axis: Vec3) -> Mat3 {
-    // with libmujoco's number of digits
+    // libmujoco has this number of digits
     const SIN: f64 = 0.866_025_403_78;
     const COS: f64 = -0.5;
     let length = norm(axis);

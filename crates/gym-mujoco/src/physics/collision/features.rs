@@ -7,7 +7,7 @@ use super::Shape;
 use super::convex::Solid;
 use crate::model::GeomType;
 
-/// The number of sides of the polygon that stands for an end of a cylinder.
+/// The number of sides of the polygon that approximates an end of a cylinder.
 const SIDES: usize = 16;
 
 /// The cosines of the polygon's corners, with as many digits as libmujoco has.
@@ -37,7 +37,7 @@ const COSINES: [f64; SIDES] = [
 /// The cosine above which a direction counts as the normal of a box's face.
 const ALONG: f64 = 0.996;
 
-/// Up to three things.
+/// A list of up to three items.
 #[derive(Clone, Copy)]
 pub(super) struct Few<T> {
     things: [T; 3],
@@ -74,7 +74,7 @@ pub(super) struct Face {
     pub(super) normal: Vec3,
 }
 
-/// An edge of a shape, or the axis of a round one.
+/// An edge of a box, or the axis of a cylinder.
 #[derive(Clone, Copy, Default)]
 pub(super) struct Edge {
     pub(super) direction: Vec3,
@@ -82,8 +82,8 @@ pub(super) struct Edge {
 }
 
 impl Edge {
-    /// The ends of the edge. Of a cylinder: of the line on its side that lies on a face with the
-    /// normal `normal`; `None` if the face looks along the axis.
+    /// Returns the ends of the edge. For a cylinder, the edge is the line on its curved surface
+    /// that touches a face with the normal `normal`; `None` if `normal` is parallel to the axis.
     pub(super) fn ends(&self, solid: Solid<'_>, normal: Vec3) -> Option<[Vec3; 2]> {
         if solid.kind != GeomType::Cylinder {
             return Some(self.ends);
@@ -114,7 +114,8 @@ impl Dimension {
     }
 }
 
-/// The faces that have all corners, or, if no face of a box has, the one that looks outward.
+/// Returns the faces with all corners of `span`. If no face of a box has all corners, returns the
+/// face whose normal is nearest to `outward`.
 pub(super) fn faces(solid: Solid<'_>, span: &Dimension, outward: Vec3) -> Few<Face> {
     match solid.kind {
         GeomType::Cylinder if span.number == 1 => {
@@ -204,7 +205,7 @@ pub(super) fn edges(solid: Solid<'_>, span: &Dimension, deepest: Vec3) -> Few<Ed
     }
 }
 
-/// A corner of a box: bit k tells whether it is at the upper end of axis k.
+/// A corner of a box. Bit k of `corner`: whether the corner is at the upper end of axis k.
 fn box_corner(shape: Shape<'_>, corner: u8) -> Vec3 {
     let local = std::array::from_fn(|k| match corner >> k & 1 {
         1 => shape.size[k],

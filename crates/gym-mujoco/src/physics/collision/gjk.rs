@@ -62,11 +62,11 @@ impl Found {
     }
 }
 
-/// The distance of two sets. For a direction of length 1, `support` returns the furthest point of
-/// the first set in that direction, and of the second in the opposite one.
+/// Returns the distance of two sets. For a direction of length 1, `support` returns the furthest
+/// point of the first set in this direction, and of the second set in the opposite direction.
 ///
 /// `centers` has a point of each set. The algorithm stops once the distance is known to exceed
-/// `reach`; with 0, it only decides whether the sets overlap.
+/// `reach`. With a `reach` of 0, the algorithm only decides whether the sets overlap.
 pub(super) fn distance(
     centers: [Vec3; 2],
     reach: f64,
@@ -170,7 +170,8 @@ fn distance_3_12(centers: [Vec3; 2], reach: f64, support: &impl Fn(Vec3) -> Vert
 }
 
 /// From 4.0 on: the nearest point of a segment or triangle is the origin's projection, the search
-/// ends by comparison with the least distance so far, and a tetrahedron is left to the polytope.
+/// ends by comparison with the least distance so far, and a tetrahedron ends the search: the
+/// expanding polytope continues from there.
 fn distance_4_0(centers: [Vec3; 2], reach: f64, support: &impl Fn(Vec3) -> Vertex) -> Found {
     let (mut simplex, mut weights, mut number) = ([Vertex::default(); 4], [0.0; 4], 0);
     let least = if reach > 0.0 { MINVAL } else { TOLERANCE };
@@ -251,9 +252,9 @@ fn combine(
     (1..number).fold(first, |sum, i| add_scaled(sum, of(&simplex[i]), weights[i]))
 }
 
-/// Whether the difference of the sets contains the origin: replaces the vertex of a tetrahedron
-/// opposite to the face that separates the most. `None` if this does not converge. MuJoCo's
-/// `gjkIntersect`.
+/// Whether the difference of the sets contains the origin; `None` if the iteration does not
+/// converge. Each iteration replaces the vertex opposite to the face with the greatest distance
+/// from the origin. MuJoCo's `gjkIntersect`.
 fn contains_origin(
     simplex: &mut [Vertex; 4],
     iteration: &mut usize,
@@ -326,8 +327,8 @@ fn same_sign(a: f64, b: f64) -> bool {
     (a > 0.0 && b > 0.0) || (a < 0.0 && b < 0.0)
 }
 
-/// The weights of a segment's ends. A projection before the first end counts as that end from 4.0
-/// on, and as the second end before.
+/// The weights of a segment's ends. If the projection is before the first end, the result is the
+/// first end from 4.0 on, and the second end in earlier versions.
 fn segment(a: Vec3, b: Vec3, revision: Revision) -> [f64; 2] {
     let along = sub(b, a);
     if revision != Revision::V3_12 && dot(along, along) < LEAST {
@@ -350,9 +351,9 @@ fn segment(a: Vec3, b: Vec3, revision: Revision) -> [f64; 2] {
     }
 }
 
-/// The origin projected onto the plane of a triangle; `None` if its area is zero. The normal is
-/// computed at a corner that the plane's distance allows to compute accurately: one whose position
-/// has a component along the normal.
+/// The origin projected onto the plane of a triangle; `None` if its area is zero. The function
+/// tries the normals at two corners, and uses the first corner whose position has a component along
+/// its normal.
 pub(super) fn project(a: Vec3, b: Vec3, c: Vec3, revision: Revision) -> Option<Vec3> {
     let (ba, ca, cb) = (sub(b, a), sub(c, a), sub(c, b));
     for (normal, corner) in [(cross(cb, ba), b), (cross(ba, ca), a)] {
@@ -370,9 +371,9 @@ pub(super) fn project(a: Vec3, b: Vec3, c: Vec3, revision: Revision) -> Option<V
     (!flat).then(|| scale(normal, dot(normal, c) / square))
 }
 
-/// The weights of a triangle's corners at a point of its plane, and which of them have the
-/// triangle's sign. They are computed from the areas of the three parts about the point, projected
-/// on the two axes where the triangle is largest.
+/// Returns the weights of a triangle's corners at a point of its plane, and which weights have the
+/// triangle's sign. The weights are the areas of the three parts about the point, projected on the
+/// two axes where the triangle is largest, divided by the triangle's area.
 ///
 /// From 4.0 on, areas are computed from the corners relative to the point, and weights are shares
 /// of the sum of the parts instead of the triangle's area.
@@ -449,7 +450,8 @@ fn triangle(a: Vec3, b: Vec3, c: Vec3, revision: Revision) -> [f64; 3] {
 
 fn tetrahedron([a, b, c, d]: [Vec3; 4], revision: Revision) -> [f64; 4] {
     let volume = |p: Vec3, q: Vec3, r: Vec3| dot(p, cross(q, r));
-    // the volumes of the origin with each face; inside, all have the sign of their sum
+    // the signed volumes of the origin with each face; if the origin is inside, all have the sign
+    // of their sum
     let parts = [
         -volume(b, c, d),
         volume(a, c, d),
@@ -513,8 +515,8 @@ mod tests {
         best
     }
 
-    /// Where the origin is nearest to no corner nor edge, as it is once the algorithm has found its
-    /// way.
+    /// Tests simplices in whose interior the point nearest to the origin lies, as in the last
+    /// iterations.
     #[test]
     fn finds_the_nearest_point_of_simplices() {
         let mut seed = 1_u64;

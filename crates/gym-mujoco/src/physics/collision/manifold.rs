@@ -1,6 +1,6 @@
-//! Contacts of two convex shapes from 4.0 on: MuJoCo's `mjc_multicontact`. If a face lies on a
-//! face, or an edge on a face, the face's sides cut the other, and up to four points of what is
-//! left are the contacts.
+//! Contacts of two convex shapes from 4.0 on: MuJoCo's `mjc_multicontact`. If a face or an edge
+//! lies on a face of the other shape, the function clips the incident face or edge by the sides of
+//! the other face. Up to four points of the result are the contacts.
 
 use super::super::spatial::{
     MINVAL, Vec3, add, add_scaled, cross, dot, norm, normalize, scale, sub,
@@ -21,16 +21,16 @@ const PARALLEL: f64 = 0.996;
 /// Most contacts of two shapes.
 const MOST: usize = 4;
 
-/// A face of a shape, and what lies on it.
-struct Lie {
+/// A reference face, and the incident face or edge of the other shape.
+struct Incidence {
     /// Which of the two shapes has the face.
     shape: usize,
     face: Face,
-    other: Other,
+    incident: Incident,
 }
 
-/// What of the other shape lies on the face.
-enum Other {
+/// The feature of the other shape that is clipped against the reference face.
+enum Incident {
     Face(Face),
     Edge([Vec3; 2]),
 }
@@ -48,50 +48,51 @@ pub(super) fn contacts(
     };
     let [side, polygon, cut] = &mut polytope.polygons;
     polygon.clear();
-    let lie = lie([a, b], &touch);
+    let incidence = find_incidence([a, b], &touch);
     let grown = [a, b].map(|solid| match solid.kind {
-        GeomType::Capsule => 0.0, // its radius stands for it
+        GeomType::Capsule => 0.0, // the collision of capsules adds the radius
         _ => 0.5 * margin,
     });
-    if let Some(lie) = &lie {
-        outline([a, b][lie.shape], lie.face.number, side);
-        match &lie.other {
-            Other::Face(face) => outline([a, b][1 - lie.shape], face.number, polygon),
-            Other::Edge(ends) => polygon.extend(ends),
+    if let Some(incidence) = &incidence {
+        outline([a, b][incidence.shape], incidence.face.number, side);
+        match &incidence.incident {
+            Incident::Face(face) => outline([a, b][1 - incidence.shape], face.number, polygon),
+            Incident::Edge(ends) => polygon.extend(ends),
         }
-        cut_by_sides(polygon, side, lie.face.normal, cut);
-        let height = |p: Vec3| dot(sub(p, side[0]), lie.face.normal);
+        cut_by_sides(polygon, side, incidence.face.normal, cut);
+        let height = |p: Vec3| dot(sub(p, side[0]), incidence.face.normal);
         polygon.retain(|p| height(*p) <= grown[0] + grown[1]);
         if polygon.len() > MOST {
             keep(polygon, largest(polygon));
-        } else if polygon.len() > 2 && matches!(lie.other, Other::Edge(_)) {
+        } else if polygon.len() > 2 && matches!(incidence.incident, Incident::Edge(_)) {
             keep(polygon, furthest_apart(polygon));
         }
     }
-    match lie {
-        Some(lie) if !polygon.is_empty() => {
+    match incidence {
+        Some(incidence) if !polygon.is_empty() => {
             for &p in polygon.iter() {
-                push(lie.touch(p, side[0], grown).hit(margin));
+                push(incidence.touch(p, side[0], grown).hit(margin));
             }
         }
         _ => push(touch.hit(margin)),
     }
 }
 
-impl Lie {
-    /// The deepest points of the shapes where `p` is a point of what lies on the face.
+impl Incidence {
+    /// Returns the contact at the point `p` of the incident feature. `corner` is a corner of the
+    /// reference face; `grown` is half the margin for each shape, and 0 for a capsule.
     fn touch(&self, p: Vec3, corner: Vec3, grown: [f64; 2]) -> Touch {
         let normal = self.face.normal;
-        let outward = match &self.other {
-            Other::Face(face) => face.normal,
-            Other::Edge(_) => scale(normal, -1.0),
+        let outward = match &self.incident {
+            Incident::Face(face) => face.normal,
+            Incident::Edge(_) => scale(normal, -1.0),
         };
         let on_face = add_scaled(p, normal, -dot(sub(p, corner), normal));
         let mut dist = dot(sub(on_face, p), outward);
         let mut points = [add_scaled(on_face, outward, -dist); 2];
         points[self.shape] = on_face;
-        let between = match (&self.other, self.shape) {
-            (Other::Edge(_), 0) => normal,
+        let between = match (&self.incident, self.shape) {
+            (Incident::Edge(_), 0) => normal,
             _ => scale(if self.shape == 0 { outward } else { normal }, -1.0),
         };
         for (point, by) in points.iter_mut().zip([grown[0], -grown[1]]) {
@@ -108,17 +109,17 @@ impl Lie {
     }
 }
 
-/// Finds the face of a shape on which a face or an edge of the other lies.
-fn lie(solids: [Solid<'_>; 2], touch: &Touch) -> Option<Lie> {
+/// Finds a reference face and an incident face or edge; `None` if none are parallel.
+fn find_incidence(solids: [Solid<'_>; 2], touch: &Touch) -> Option<Incidence> {
     let [w1, w2] = touch.points;
     let outward = [sub(w1, w2), sub(w2, w1)];
     let spans = touch.corners.map(Dimension::of);
     let found = [0, 1].map(|k| faces(solids[k], &spans[k], outward[k]));
     if let Some([first, second]) = parallel(&found, outward) {
-        return Some(Lie {
+        return Some(Incidence {
             shape: 0,
             face: first,
-            other: Other::Face(second),
+            incident: Incident::Face(second),
         });
     }
     let [d1, d2] = [&spans[0], &spans[1]].map(|span| span.number);
@@ -140,18 +141,20 @@ fn lie(solids: [Solid<'_>; 2], touch: &Touch) -> Option<Lie> {
             }
             let flat = |edge: &&Edge| dot(edge.direction, face.normal).abs() < SLOPE;
             if let Some(edge) = edges.iter().find(flat) {
-                return edge.ends(solids[with_edge], face.normal).map(|ends| Lie {
-                    shape: with_face,
-                    face: *face,
-                    other: Other::Edge(ends),
-                });
+                return edge
+                    .ends(solids[with_edge], face.normal)
+                    .map(|ends| Incidence {
+                        shape: with_face,
+                        face: *face,
+                        incident: Incident::Edge(ends),
+                    });
             }
         }
     }
     None
 }
 
-/// The faces that are the most parallel, of those that look along the contact.
+/// Returns the most parallel pair among the faces whose normals point along the contact normal.
 fn parallel(found: &[Few<Face>; 2], outward: [Vec3; 2]) -> Option<[Face; 2]> {
     let least = norm(outward[1]) * SLOPE;
     let [first, second] = [0, 1].map(|k| {
@@ -171,7 +174,8 @@ fn parallel(found: &[Few<Face>; 2], outward: [Vec3; 2]) -> Option<[Face; 2]> {
     pair
 }
 
-/// Cuts a polygon by the planes through the sides of a face, along its normal.
+/// Clips a polygon by the planes through the sides `side` of a face that are parallel to the face's
+/// normal.
 fn cut_by_sides(polygon: &mut Vec<Vec3>, side: &[Vec3], normal: Vec3, cut: &mut Vec<Vec3>) {
     for (k, &corner) in side.iter().enumerate() {
         let along = sub(side[(k + 1) % side.len()], corner);
@@ -181,7 +185,8 @@ fn cut_by_sides(polygon: &mut Vec<Vec3>, side: &[Vec3], normal: Vec3, cut: &mut 
     }
 }
 
-/// Cuts a closed line of points by a plane, and keeps the part on its normal's side.
+/// Clips the polygon `line` by a plane. `kept` is the part on the side to which the plane's normal
+/// points.
 fn cut_by_side(line: &[Vec3], corner: Vec3, normal: Vec3, kept: &mut Vec<Vec3>) {
     kept.clear();
     for (i, &p) in line.iter().enumerate() {

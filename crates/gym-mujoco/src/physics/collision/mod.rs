@@ -1,7 +1,7 @@
 //! Which geoms touch, and where.
 //!
 //! The model lists all pairs that can ever touch, in the order of their contacts. A test of
-//! bounding spheres skips most of them; it never changes the result.
+//! bounding spheres skips most pairs, and never changes the result.
 
 mod bounds;
 mod box_box;
@@ -69,8 +69,8 @@ pub fn collision(m: &Model, d: &mut Data) {
     }
 }
 
-/// Adds the contacts of a pair of geoms that are near. The caller gives the frames of the geoms,
-/// and the inertial frames of bodies.
+/// Adds the contacts of a pair of geoms whose bounding volumes touch. The caller gives the frames
+/// of the geoms, and the inertial frames of bodies.
 pub(in crate::physics) fn touch(
     m: &Model,
     index: usize,
@@ -172,7 +172,7 @@ fn contact(pair: &Pair, index: usize, hit: &Hit) -> Contact {
     contact_at(pair, index, hit.dist, hit.pos, frame)
 }
 
-/// A contact whose rows are not built yet.
+/// Returns a contact without constraint rows.
 #[inline]
 pub(super) fn contact_at(pair: &Pair, index: usize, dist: f64, pos: Vec3, frame: Mat3) -> Contact {
     Contact {

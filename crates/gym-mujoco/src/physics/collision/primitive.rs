@@ -156,8 +156,8 @@ pub(super) fn sphere_capsule(
     }
 }
 
-/// Contacts of the segments' nearest points as spheres; parallel segments have up to two. Each
-/// revision has a routine of its own.
+/// Adds the contacts of spheres at the nearest points of the capsules' segments. Parallel segments
+/// have up to two contacts. Each version of MuJoCo has another function.
 pub(super) fn capsule_capsule(
     a: Shape<'_>,
     b: Shape<'_>,
@@ -226,8 +226,8 @@ fn segments_between_ends(a: Shape<'_>, b: Shape<'_>, test: &mut impl FnMut(Vec3,
     let (f, c, both) = (dot(d2, between), dot(d1, between), dot(d1, d2));
     let share = |x: f64| x.clamp(0.0, 1.0);
     let (to_start, to_end) = (-c / square1, (both - c) / square1);
-    // a position beyond an end of the second segment is moved to that end, and the first one
-    // recomputed
+    // a position beyond an end of the second segment is moved to that end, and the position on the
+    // first segment recomputed
     let mut test = |s: f64, t: f64| {
         let (s, t) = if t < 0.0 {
             (share(to_start), 0.0)

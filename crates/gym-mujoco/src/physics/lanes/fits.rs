@@ -40,7 +40,7 @@ pub(crate) fn fits(m: &Model, stride: &Stride) -> bool {
         && matches!(m.opt.integrator, Integrator::Euler | Integrator::RK4)
         && m.opt.impratio == 1.0
         && m.opt.noslip_iterations == 0
-        && plan.plain
+        && plan.inequalities_only
         && (plan.steady || plan.servos)
         && (stride.settles || !plan.measures)
         && sensors::fit(m, stride.sensors())

@@ -46,7 +46,7 @@ pub(super) struct Newton {
     /// indices of these rows.
     pushed: Vec<Row>,
     pushing: Vec<usize>,
-    /// For each world, the rows that began or ceased to push in this iteration.
+    /// For each world, the rows that became active or inactive in this iteration.
     changed: [Vec<usize>; WORLDS],
     line: Vec<line_search::Row>,
 }

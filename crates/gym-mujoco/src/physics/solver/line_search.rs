@@ -107,7 +107,7 @@ pub(in crate::physics) fn line_search(mut along: Along<'_>, flat: f64, most: usi
         return found(&p1);
     }
 
-    // take Newton steps in one direction until they pass the minimum
+    // take Newton steps in one direction until a step passes the minimum
     let direction = if p1.slope < 0.0 { 1.0 } else { -1.0 };
     let mut p2 = p0;
     while p1.slope * direction <= -flat && along.evaluations < most {

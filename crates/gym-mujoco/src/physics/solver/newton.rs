@@ -33,7 +33,7 @@ pub(super) fn solve(m: &Model, d: &mut Data) {
     b.jar.resize(efc.nefc(), 0.0);
     residuals(m, efc, &d.qacc_warmstart, &mut work.dofs, &mut b.jar);
     multiply(m, &d.qm, &d.qacc_warmstart, &mut b.ma_start);
-    let general = !m.plan().plain;
+    let general = !m.plan().inequalities_only;
     let row_costs = RowCosts {
         blocks: &efc.blocks,
         d: &efc.d,
@@ -283,7 +283,8 @@ fn solve_island(
     iterations
 }
 
-/// Returns [`dense::dot`]. It is not inlined, so that all callers share one copy of the code.
+/// Returns [`dense::dot`]. The function is not inlined, so that all callers share one copy of the
+/// code.
 #[inline(never)]
 pub(super) fn dot(a: &[Lanes], b: &[Lanes], n: usize) -> f64 {
     dense::dot(a, b, n)

@@ -62,7 +62,7 @@ impl Buffers {
         buffers.terms.reserve(nv);
         buffers.moving.reserve(nv);
         buffers.steps.reserve(rows);
-        if !m.plan().plain {
+        if !m.plan().inequalities_only {
             buffers.units.reserve(rows);
         }
         for order in [&mut buffers.order, &mut buffers.next_order] {
@@ -99,7 +99,7 @@ pub(super) fn forces(m: &Model, d: &mut Data) {
         vector.resize(stride, [0.0; 4]);
     }
     let force = s.force.as_flattened_mut();
-    if m.plan().plain {
+    if m.plan().inequalities_only {
         for ((force, &jar), d) in force.iter_mut().zip(&s.jar).zip(&d.efc.d) {
             *force = if jar < 0.0 { -d * jar } else { 0.0 };
         }
@@ -142,7 +142,7 @@ pub(super) fn forces(m: &Model, d: &mut Data) {
         }
         let trees = &d.work.island_trees[island.trees.clone()];
         let scale = 1.0 / inertia_of(m, d, trees);
-        let iterations = if m.plan().plain {
+        let iterations = if m.plan().inequalities_only {
             iterate(m, d, &mut s, scale)
         } else {
             dual::iterate(m, d, &mut s, blocks, scale)
@@ -266,9 +266,9 @@ impl Pcg32 {
     }
 }
 
-/// Returns the inertia that scales an island's improvement. Up to MuJoCo 3.16, it is the inertia of
-/// the model in the initial configuration; from 3.17 on, the inertia of the island in the current
-/// configuration.
+/// Returns the inertia that scales an island's improvement. Up to MuJoCo 3.16, this is the inertia
+/// of the model in the initial configuration; from 3.17 on, the inertia of the island in the
+/// current configuration.
 pub(super) fn inertia_of(m: &Model, d: &Data, trees: &[usize]) -> f64 {
     let plan = m.plan();
     match m.revision {

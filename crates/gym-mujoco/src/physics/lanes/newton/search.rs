@@ -84,7 +84,7 @@ impl Newton {
         let ahead = Lanes::select(slope.lt(zero), one, -one);
         let mut walks = open & (slope * ahead).le(-flat);
         let mut stuck = Lanes::<S>::but_not(open, walks);
-        // take Newton steps in one direction until they pass the minimum
+        // take Newton steps in one direction until a step passes the minimum
         while Lanes::<S>::any(walks) && evaluations < opt.ls_iterations {
             let next = alpha - slope / curvature;
             let (c, s, k) = point(next);

@@ -1,10 +1,14 @@
 //! Turns a [`Spec`] into a compiled model: ids, frames, masses.
 
-mod actuators;
-mod bodies;
-mod geoms;
-mod joints;
-mod relations;
+mod actuator;
+mod body;
+mod contact;
+mod equality;
+mod geom;
+mod joint;
+mod keyframe;
+mod sensor;
+mod tendon;
 
 use std::collections::HashSet;
 
@@ -29,19 +33,19 @@ pub(super) fn compile(spec: &Spec) -> Result<Box<CompiledModel>> {
     });
     check_counts(spec)?;
     for (id, body) in spec.bodies.iter().enumerate() {
-        bodies::add_body(&mut m, spec, id, body)?;
+        body::add_body(&mut m, spec, id, body)?;
     }
     scale_mass(&mut m, spec.compiler.total_mass);
     check_mass(&m, spec)?;
     mark_simple(&mut m);
     add_looks(&mut m, spec)?;
-    relations::add_excludes(&mut m, spec)?;
-    relations::add_pairs(&mut m, spec)?;
-    relations::add_tendons(&mut m, spec)?;
-    relations::add_equalities(&mut m, spec)?;
-    actuators::add_actuators(&mut m, spec)?;
-    actuators::add_sensors(&mut m, spec)?;
-    relations::add_keys(&mut m, spec)?;
+    contact::add_excludes(&mut m, spec)?;
+    contact::add_pairs(&mut m, spec)?;
+    tendon::add_tendons(&mut m, spec)?;
+    equality::add_equalities(&mut m, spec)?;
+    actuator::add_actuators(&mut m, spec)?;
+    sensor::add_sensors(&mut m, spec)?;
+    keyframe::add_keys(&mut m, spec)?;
     check_names(spec)?;
     Ok(m)
 }
@@ -153,7 +157,7 @@ fn add_looks(m: &mut CompiledModel, spec: &Spec) -> Result<()> {
     m.mat_rgba = spec
         .materials
         .iter()
-        .map(|material| geoms::single(material.rgba))
+        .map(|material| geom::single(material.rgba))
         .collect();
     Ok(())
 }
@@ -248,4 +252,26 @@ fn limited(
         return Err(place.attribute(range_name, reason));
     }
     Ok(limited)
+}
+
+/// The object with the name, or an error.
+fn named(
+    place: &Place,
+    attribute: &str,
+    kind: &str,
+    names: &[Option<String>],
+    name: &str,
+) -> Result<usize> {
+    let found = names.iter().position(|n| n.as_deref() == Some(name));
+    found.ok_or_else(|| place.attribute(attribute, format!("there is no {kind} {name:?}")))
+}
+
+/// The slide or hinge of that name.
+fn scalar_joint(m: &CompiledModel, place: &Place, attribute: &str, name: &str) -> Result<usize> {
+    let id = named(place, attribute, "joint", &m.names.joint, name)?;
+    if m.jnt_type[id].is_scalar() {
+        return Ok(id);
+    }
+    let reason = format!("{name:?} is free or a ball: only a slide or hinge is supported here");
+    Err(place.attribute(attribute, reason))
 }

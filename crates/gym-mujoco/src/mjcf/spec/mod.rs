@@ -21,15 +21,19 @@ macro_rules! with_defaults {
 
 mod actuator;
 mod body;
+mod contact;
+mod equality;
+mod keyframe;
 mod parts;
-mod relations;
 mod sensor;
 mod tendon;
 
 pub(crate) use actuator::{Actuator, KINDS as ACTUATORS};
 pub(crate) use body::{Body, Camera, Inertial, Light, Moments};
+pub(crate) use contact::{Exclude, Pair};
+pub(crate) use equality::{EQUALITIES, Equality};
+pub(crate) use keyframe::Key;
 pub(crate) use parts::{Frame, Geom, Joint, Site};
-pub(crate) use relations::{EQUALITIES, Equality, Exclude, Key, Pair};
 pub(crate) use sensor::{Sensor, Target};
 pub(crate) use tendon::{Tendon, Wrap};
 

@@ -1,6 +1,6 @@
 //! Bodies: ids, frames, masses.
 
-use super::{MOST, geoms, joints};
+use super::{MOST, geom, joint};
 use crate::Result;
 use crate::mjcf::inertia::{self, Inertia};
 use crate::mjcf::orientation::within;
@@ -42,7 +42,7 @@ pub(super) fn add_body(m: &mut CompiledModel, spec: &Spec, id: usize, body: &Bod
     m.body_jntnum.push(body.joints.len());
     m.body_jntadr.push(address(m.njnt(), body.joints.len()));
     for joint in &body.joints {
-        joints::add_joint(m, spec, id, body, joint)?;
+        joint::add_joint(m, spec, id, body, joint)?;
     }
     m.body_dofnum.push(m.nv() - first_dof);
     m.body_dofadr.push(address(first_dof, m.nv() - first_dof));
@@ -62,8 +62,8 @@ pub(super) fn add_body(m: &mut CompiledModel, spec: &Spec, id: usize, body: &Bod
     let weighs = id > 0 && from_geoms(body, spec);
     for geom in &body.geoms {
         let weighs = weighs && (first..=last).contains(&geom.group);
-        geoms::check_mesh(geom, spec, weighs)?;
-        let part = geoms::add_geom(m, spec, id, geom)?;
+        geom::check_mesh(geom, spec, weighs)?;
+        let part = geom::add_geom(m, spec, id, geom)?;
         if weighs {
             parts.push(part);
         }
@@ -75,7 +75,7 @@ pub(super) fn add_body(m: &mut CompiledModel, spec: &Spec, id: usize, body: &Bod
     m.body_inertia.push(inertia.moments);
 
     for site in &body.sites {
-        geoms::add_site(m, spec, id, site)?;
+        geom::add_site(m, spec, id, site)?;
     }
     if m.nbody() > MOST || m.ngeom() > MOST || m.nv() > MOST {
         let reason =

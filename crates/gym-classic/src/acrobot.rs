@@ -136,9 +136,15 @@ pub struct AcrobotDynamics {
     constants: Compared<Constants<f64>>,
 }
 
-impl AcrobotDynamics {
-    /// Makes the task with any constants from which the equations give finite numbers.
-    fn with(config: Config) -> Result<Self> {
+impl Task for AcrobotDynamics {
+    type Config = Config;
+    type State = State;
+    type Observation = [f32; 6];
+    type Action = Action;
+
+    const NAME: &'static str = "Acrobot";
+
+    fn new(config: Config) -> Result<Self> {
         let Config {
             dt,
             LINK_LENGTH_1: l1,
@@ -200,24 +206,13 @@ impl AcrobotDynamics {
             constants: Compared::new(constants, Self::DEFAULTS),
         })
     }
-}
 
-impl Task for AcrobotDynamics {
-    type Config = Config;
-    type State = State;
-    type Observation = [f32; 6];
-    type Action = Action;
-
-    const NAME: &'static str = "Acrobot";
-
-    fn new(config: Config) -> Result<Self> {
-        let task = Self::with(config)?;
+    fn check_start(&self) -> Result<()> {
         let limits = [
-            ("MAX_VEL_1", config.MAX_VEL_1),
-            ("MAX_VEL_2", config.MAX_VEL_2),
+            ("MAX_VEL_1", self.config.MAX_VEL_1),
+            ("MAX_VEL_2", self.config.MAX_VEL_2),
         ];
-        constants::contains_starts(Self::NAME, limits, 0.1)?;
-        Ok(task)
+        constants::contains_starts(Self::NAME, limits, 0.1)
     }
 
     fn config(&self) -> &Config {
@@ -227,7 +222,7 @@ impl Task for AcrobotDynamics {
     fn assign(&mut self, config: Config) -> Result<()> {
         *self = Self {
             built: self.built,
-            ..Self::with(config)?
+            ..Self::new(config)?
         };
         Ok(())
     }

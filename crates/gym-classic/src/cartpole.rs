@@ -164,33 +164,22 @@ gym_core::constants! {
 impl Constants<f64> {
     /// The constants that follow from the arguments.
     const fn of(config: &Config) -> Self {
-        let Config {
-            gravity,
-            masscart,
-            masspole,
-            length,
-            force_mag,
-            tau,
-            theta_threshold_radians,
-            x_threshold,
-            ..
-        } = *config;
         Self {
-            gravity,
-            masspole,
+            gravity: config.gravity,
+            masspole: config.masspole,
             total_mass: match config.total_mass {
                 Some(total_mass) => total_mass,
-                None => masspole + masscart,
+                None => config.masspole + config.masscart,
             },
-            length,
+            length: config.length,
             polemass_length: match config.polemass_length {
                 Some(polemass_length) => polemass_length,
-                None => masspole * length,
+                None => config.masspole * config.length,
             },
-            force_mag,
-            tau,
-            theta_threshold_radians,
-            x_threshold,
+            force_mag: config.force_mag,
+            tau: config.tau,
+            theta_threshold_radians: config.theta_threshold_radians,
+            x_threshold: config.x_threshold,
         }
     }
 }
@@ -303,9 +292,15 @@ impl Equations for CartPoleDynamics {
 /// The largest number of an initial state.
 const START: f64 = 0.05;
 
-impl CartPoleDynamics {
-    /// Makes the task with any constants from which the equations give finite numbers.
-    fn with(config: Config) -> Result<Self> {
+impl Task for CartPoleDynamics {
+    type Config = Config;
+    type State = State;
+    type Observation = [f32; 4];
+    type Action = Action;
+
+    const NAME: &'static str = "CartPole";
+
+    fn new(config: Config) -> Result<Self> {
         let constants = Constants::of(&config);
         let Constants {
             gravity,
@@ -343,25 +338,17 @@ impl CartPoleDynamics {
             constants: Compared::new(constants, Self::DEFAULTS),
         })
     }
-}
 
-impl Task for CartPoleDynamics {
-    type Config = Config;
-    type State = State;
-    type Observation = [f32; 4];
-    type Action = Action;
-
-    const NAME: &'static str = "CartPole";
-
-    fn new(config: Config) -> Result<Self> {
+    fn check_start(&self) -> Result<()> {
         let limits = [
-            ("theta_threshold_radians", config.theta_threshold_radians),
-            ("x_threshold", config.x_threshold),
+            (
+                "theta_threshold_radians",
+                self.config.theta_threshold_radians,
+            ),
+            ("x_threshold", self.config.x_threshold),
         ];
-        let task = Self::with(config)?;
         // the observation space has twice the thresholds
-        constants::contains_starts(Self::NAME, limits, START / 2.0)?;
-        Ok(task)
+        constants::contains_starts(Self::NAME, limits, START / 2.0)
     }
 
     fn config(&self) -> &Config {
@@ -381,7 +368,7 @@ impl Task for CartPoleDynamics {
         };
         *self = Self {
             built: self.built,
-            ..Self::with(config)?
+            ..Self::new(config)?
         };
         Ok(())
     }

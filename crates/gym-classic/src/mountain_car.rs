@@ -99,23 +99,14 @@ gym_core::constants! {
 impl Constants<f64> {
     /// The constants that follow from the arguments.
     const fn of(config: &Config) -> Self {
-        let Config {
-            goal_velocity,
-            min_position,
-            max_position,
-            max_speed,
-            goal_position,
-            force,
-            gravity,
-        } = *config;
         Self {
-            goal_velocity,
-            min_position,
-            max_position,
-            max_speed,
-            goal_position,
-            force,
-            gravity,
+            goal_velocity: config.goal_velocity,
+            min_position: config.min_position,
+            max_position: config.max_position,
+            max_speed: config.max_speed,
+            goal_position: config.goal_position,
+            force: config.force,
+            gravity: config.gravity,
         }
     }
 }
@@ -194,9 +185,15 @@ impl Equations for MountainCarDynamics {
     }
 }
 
-impl MountainCarDynamics {
-    /// Makes the task with any constants from which the equations give finite numbers.
-    fn with(config: Config) -> Result<Self> {
+impl Task for MountainCarDynamics {
+    type Config = Config;
+    type State = State;
+    type Observation = [f32; 2];
+    type Action = Action;
+
+    const NAME: &'static str = "MountainCar";
+
+    fn new(config: Config) -> Result<Self> {
         let Config {
             goal_velocity,
             min_position,
@@ -222,20 +219,12 @@ impl MountainCarDynamics {
             constants: Compared::new(Constants::of(&config), Self::DEFAULTS),
         })
     }
-}
 
-impl Task for MountainCarDynamics {
-    type Config = Config;
-    type State = State;
-    type Observation = [f32; 2];
-    type Action = Action;
-
-    const NAME: &'static str = "MountainCar";
-
-    fn new(config: Config) -> Result<Self> {
-        let task = Self::with(config)?;
-        check_start(Self::NAME, [config.min_position, config.max_position])?;
-        Ok(task)
+    fn check_start(&self) -> Result<()> {
+        check_start(
+            Self::NAME,
+            [self.config.min_position, self.config.max_position],
+        )
     }
 
     fn config(&self) -> &Config {
@@ -245,7 +234,7 @@ impl Task for MountainCarDynamics {
     fn assign(&mut self, config: Config) -> Result<()> {
         *self = Self {
             built: self.built,
-            ..Self::with(config)?
+            ..Self::new(config)?
         };
         Ok(())
     }

@@ -93,25 +93,15 @@ gym_core::constants! {
 impl Constants<f64> {
     /// The constants that follow from the arguments.
     const fn of(config: &Config) -> Self {
-        let Config {
-            goal_velocity,
-            min_action,
-            max_action,
-            min_position,
-            max_position,
-            max_speed,
-            goal_position,
-            power,
-        } = *config;
         Self {
-            goal_velocity,
-            min_action,
-            max_action,
-            min_position,
-            max_position,
-            max_speed,
-            goal_position,
-            power,
+            goal_velocity: config.goal_velocity,
+            min_action: config.min_action,
+            max_action: config.max_action,
+            min_position: config.min_position,
+            max_position: config.max_position,
+            max_speed: config.max_speed,
+            goal_position: config.goal_position,
+            power: config.power,
         }
     }
 }
@@ -263,9 +253,15 @@ impl Equations for MountainCarContinuousDynamics {
     }
 }
 
-impl MountainCarContinuousDynamics {
-    /// Makes the task with any constants from which the equations give finite numbers.
-    fn with(config: Config) -> Result<Self> {
+impl Task for MountainCarContinuousDynamics {
+    type Config = Config;
+    type State = State;
+    type Observation = [f32; 2];
+    type Action = Continuous<1>;
+
+    const NAME: &'static str = "MountainCarContinuous";
+
+    fn new(config: Config) -> Result<Self> {
         let Config {
             min_action,
             max_action,
@@ -301,21 +297,10 @@ impl MountainCarContinuousDynamics {
             constants: Compared::new(Constants::of(&config), Self::DEFAULTS),
         })
     }
-}
 
-impl Task for MountainCarContinuousDynamics {
-    type Config = Config;
-    type State = State;
-    type Observation = [f32; 2];
-    type Action = Continuous<1>;
-
-    const NAME: &'static str = "MountainCarContinuous";
-
-    fn new(config: Config) -> Result<Self> {
-        let task = Self::with(config)?;
-        let range = [config.min_position, config.max_position];
-        mountain_car::check_start(Self::NAME, range)?;
-        Ok(task)
+    fn check_start(&self) -> Result<()> {
+        let range = [self.config.min_position, self.config.max_position];
+        mountain_car::check_start(Self::NAME, range)
     }
 
     fn config(&self) -> &Config {
@@ -325,7 +310,7 @@ impl Task for MountainCarContinuousDynamics {
     fn assign(&mut self, config: Config) -> Result<()> {
         *self = Self {
             built: self.built,
-            ..Self::with(config)?
+            ..Self::new(config)?
         };
         Ok(())
     }

@@ -104,20 +104,12 @@ gym_core::constants! {
 impl Constants<f64> {
     /// The constants that follow from the arguments; `l_2` is the square of the length.
     const fn of(config: &Config, l_2: f64) -> Self {
-        let Config {
-            g,
-            m,
-            l,
-            max_speed,
-            max_torque,
-            dt,
-        } = *config;
         Self {
-            per_sin: 3.0 * g / (2.0 * l),
-            per_torque: 3.0 / (m * l_2),
-            max_speed,
-            max_torque,
-            dt,
+            per_sin: 3.0 * config.g / (2.0 * config.l),
+            per_torque: 3.0 / (config.m * l_2),
+            max_speed: config.max_speed,
+            max_torque: config.max_torque,
+            dt: config.dt,
         }
     }
 }
@@ -239,9 +231,15 @@ impl Equations for PendulumDynamics {
 /// The largest speed at the start of an episode, in rad/s.
 const START_SPEED: f64 = 1.0;
 
-impl PendulumDynamics {
-    /// Makes the task with any constants from which the equations give finite numbers.
-    fn with(config: Config) -> Result<Self> {
+impl Task for PendulumDynamics {
+    type Config = Config;
+    type State = State;
+    type Observation = [f32; 3];
+    type Action = Continuous<1>;
+
+    const NAME: &'static str = "Pendulum";
+
+    fn new(config: Config) -> Result<Self> {
         let Config {
             g,
             m,
@@ -263,20 +261,13 @@ impl PendulumDynamics {
             constants: Compared::new(constants, Self::DEFAULTS),
         })
     }
-}
 
-impl Task for PendulumDynamics {
-    type Config = Config;
-    type State = State;
-    type Observation = [f32; 3];
-    type Action = Continuous<1>;
-
-    const NAME: &'static str = "Pendulum";
-
-    fn new(config: Config) -> Result<Self> {
-        let task = Self::with(config)?;
-        constants::contains_starts(Self::NAME, [("max_speed", config.max_speed)], START_SPEED)?;
-        Ok(task)
+    fn check_start(&self) -> Result<()> {
+        constants::contains_starts(
+            Self::NAME,
+            [("max_speed", self.config.max_speed)],
+            START_SPEED,
+        )
     }
 
     fn config(&self) -> &Config {
@@ -286,7 +277,7 @@ impl Task for PendulumDynamics {
     fn assign(&mut self, config: Config) -> Result<()> {
         *self = Self {
             built: self.built,
-            ..Self::with(config)?
+            ..Self::new(config)?
         };
         Ok(())
     }

@@ -159,6 +159,26 @@ fn vector_of(spec: &VectorSpec, make: fn(&EnvSpec) -> Result<ControlEnv>) -> Res
     }
 }
 
+/// Returns the id of the body `name`.
+pub(crate) fn body(m: &Model, name: &str) -> Result<usize> {
+    named("body", name, m.body_id(name))
+}
+
+/// Returns the id of the geom `name`.
+pub(crate) fn geom(m: &Model, name: &str) -> Result<usize> {
+    named("geom", name, m.geom_id(name))
+}
+
+/// Returns the id of the site `name`.
+pub(crate) fn site(m: &Model, name: &str) -> Result<usize> {
+    named("site", name, m.site_id(name))
+}
+
+/// Returns the id of the joint `name`.
+pub(crate) fn joint(m: &Model, name: &str) -> Result<usize> {
+    named("joint", name, m.joint_id(name))
+}
+
 /// Returns the id `id` of the object `name`, or an error if the model has no such object.
 ///
 /// # Errors

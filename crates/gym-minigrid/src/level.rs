@@ -140,12 +140,6 @@ macro_rules! level {
                 pub view: $crate::level::View,
             }
         }
-
-        impl AsRef<$crate::level::View> for $name {
-            fn as_ref(&self) -> &$crate::level::View {
-                &self.view
-            }
-        }
     };
 }
 pub(crate) use level;

@@ -33,7 +33,9 @@ where
                 ));
             }
         }
-        Self::new(config)
+        let task = Self::new(config)?;
+        task.check_start()?;
+        Ok(task)
     }
 
     fn has_defaults(&self) -> bool {

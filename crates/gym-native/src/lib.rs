@@ -158,12 +158,9 @@ pub fn entry_point<D: Native>(spec: &VectorSpec) -> Result<Box<dyn VectorEnv>> {
             "{reason} in a native vector: make a sync or async one"
         ))
     })?;
-    let envs = NativeVectorEnv::new(
-        D::new(config)?,
-        *num_envs,
-        env.max_episode_steps,
-        *autoreset_mode,
-    )?;
+    let task = D::new(config)?;
+    task.check_start()?;
+    let envs = NativeVectorEnv::new(task, *num_envs, env.max_episode_steps, *autoreset_mode)?;
     let mut spec = spec.clone();
     spec.vectorization_mode = VectorKind::Native;
     Ok(Box::new(envs.with_each(&spec.each)?.registered(

@@ -131,3 +131,20 @@ def test_classes_stand_for_gymnasiums() -> None:
 def test_register_takes_no_nonsense() -> None:
     with pytest.raises(TypeError, match="replace"):
         rustgym.register(replaced=True)
+
+
+@pytest.mark.parametrize(
+    ("env_id", "error", "hint"),
+    [
+        ("dm_control/walker-wolk-v0", gymnasium.error.NameNotFound, "did you mean `dm_control/walker-walk-v0`"),
+        ("dm_control/dog-run-v0", gymnasium.error.NameNotFound, "dm_control/dog-run"),
+        ("dm_control/walker-walk-v3", gymnasium.error.VersionNotFound, "v0"),
+        ("no_such/Thing-v0", gymnasium.error.NamespaceNotFound, "no_such"),
+    ],
+)
+def test_errors_of_namespaces_that_gymnasium_lacks(
+    env_id: str, error: type[Exception], hint: str
+) -> None:
+    for function in (rustgym.make, rustgym.make_vec, rustgym.spec):
+        with pytest.raises(error, match=hint):
+            function(env_id)

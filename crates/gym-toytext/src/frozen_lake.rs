@@ -33,6 +33,7 @@ use serde::{Deserialize, Serialize};
 use serde_json::Value as Json;
 
 use crate::art::{self, Facing};
+use crate::grid;
 use crate::planning;
 use crate::tabular::{Cell, Distribution, MAX_STATES, Outcome, Table, WHOLE_AT_RESET};
 
@@ -87,15 +88,7 @@ gym_core::discrete! {
 }
 
 /// The agent's cell, and the last transition.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub struct State {
-    /// The cell, counted row by row from the top left.
-    pub cell: usize,
-    /// The last action; `None` at the start.
-    pub last_action: Option<Action>,
-    /// The probability of the last transition; 1 at the start.
-    pub probability: f64,
-}
+pub type State = grid::State<Action>;
 
 /// The pure functions of the task.
 #[derive(Clone, Debug)]
@@ -137,22 +130,7 @@ impl FrozenLakeDynamics {
         action: Action,
         rng: &mut impl Stream,
     ) -> Option<Transition<State>> {
-        let Outcome {
-            probability,
-            next,
-            reward,
-            terminated,
-        } = self.p.sample(state.cell, action as usize, rng)?;
-        let state = State {
-            cell: next,
-            last_action: Some(action),
-            probability,
-        };
-        Some(Transition {
-            state,
-            reward,
-            terminated,
-        })
+        state.advance(&self.p, action, action as usize, rng)
     }
 }
 
@@ -285,11 +263,7 @@ impl Task for FrozenLakeDynamics {
     }
 
     fn start(&self, _reset: &Reset, rng: &mut Generator) -> Result<State> {
-        Ok(State {
-            cell: self.initial.sample(rng),
-            last_action: None,
-            probability: 1.0,
-        })
+        Ok(State::start(self.initial.sample(rng)))
     }
 
     fn is_valid(&self, state: &State) -> bool {
@@ -297,17 +271,7 @@ impl Task for FrozenLakeDynamics {
     }
 
     fn info(&self, state: &State, visit: &mut dyn FnMut(&str, Value)) {
-        // Gymnasium's `reset` returns the probability as an integer, which decides the type of a
-        // vector's infos
-        let is_start = state.last_action.is_none();
-        visit(
-            "prob",
-            if is_start {
-                Value::Int(1)
-            } else {
-                Value::Float(state.probability)
-            },
-        );
+        state.info(visit);
     }
 
     fn metadata(&self) -> Metadata {
@@ -581,22 +545,14 @@ impl Native for FrozenLakeDynamics {
 
     #[inline(always)]
     fn pack(&self, state: &State) -> Cell {
-        Cell {
-            state: state.cell as u32,
-            probability: state.probability,
-        }
+        state.pack()
     }
 
     /// Restores a state. `cell` does not contain the last action, so any action stands in after the
     /// first step.
     #[inline(always)]
     fn unpack(&self, cell: Cell, fresh: bool) -> State {
-        let last_action = if fresh { None } else { Some(Action::Left) };
-        State {
-            cell: cell.state as usize,
-            last_action,
-            probability: cell.probability,
-        }
+        State::unpack(cell, (!fresh).then_some(Action::Left))
     }
 
     #[inline(always)]

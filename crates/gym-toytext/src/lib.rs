@@ -19,6 +19,7 @@ mod art;
 pub mod blackjack;
 pub mod cliff_walking;
 pub mod frozen_lake;
+pub mod grid;
 mod planning;
 pub mod tabular;
 pub mod taxi;

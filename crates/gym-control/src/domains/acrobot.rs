@@ -21,7 +21,7 @@ use gym_mujoco::{Data, Model};
 use super::axis::{XZ, ZZ};
 use super::{config, minus, norm};
 use crate::rewards::{Sigmoid, Tolerance};
-use crate::task::{clip, named};
+use crate::task::{body, clip, site};
 use crate::{Domain, Observation, Start, Task, register};
 
 config! { 10.0;
@@ -48,13 +48,11 @@ impl Domain for Acrobot {
     }
 
     fn new(config: &Config, m: &Model) -> Result<Self> {
-        let body = |name| named("body", name, m.body_id(name));
-        let site = |name| named("site", name, m.site_id(name));
-        let target = site("target")?;
+        let target = site(m, "target")?;
         let margin = if config.sparse { 0.0 } else { 1.0 };
         Ok(Self {
-            arms: [body("upper_arm")?, body("lower_arm")?],
-            tip: site("tip")?,
+            arms: [body(m, "upper_arm")?, body(m, "lower_arm")?],
+            tip: site(m, "tip")?,
             target,
             near: Tolerance::within(0.0, m.site_size[target][0]).margin(margin, Sigmoid::Gaussian),
         })

@@ -6,7 +6,7 @@ use gym_core::{Result, math};
 use gym_mujoco::{Data, Model};
 
 use super::{minus, norm};
-use crate::task::named;
+use crate::task::{body, joint, named};
 use crate::{Observation, Start};
 
 /// Returns the text of the model, with the bodies `props`, and the pairs of bodies without contacts
@@ -45,7 +45,7 @@ impl Arm {
     pub(super) fn new(m: &Model, touch: [&str; 5]) -> Result<Self> {
         let mut found = [0; 8];
         for (id, name) in found.iter_mut().zip(JOINTS) {
-            *id = named("joint", name, m.joint_id(name))?;
+            *id = joint(m, name)?;
         }
         let mut sensors = [0; 5];
         for (adr, name) in sensors.iter_mut().zip(touch) {
@@ -53,7 +53,7 @@ impl Arm {
         }
         Ok(Self {
             joints: found,
-            hand: named("body", "hand", m.body_id("hand"))?,
+            hand: body(m, "hand")?,
             touch: sensors,
         })
     }

@@ -17,7 +17,7 @@ use gym_core::Result;
 use gym_mujoco::{Data, Model};
 
 use super::config;
-use crate::task::{clip, named};
+use crate::task::{body, clip, geom, site};
 use crate::{Domain, Observation, Start, Task, register};
 
 config! { 20.0; }
@@ -43,10 +43,10 @@ impl Domain for BallInCup {
     }
 
     fn new(_: &Config, m: &Model) -> Result<Self> {
-        let target = named("site", "target", m.site_id("target"))?;
-        let geom = named("geom", "ball", m.geom_id("ball"))?;
+        let target = site(m, "target")?;
+        let geom = geom(m, "ball")?;
         Ok(Self {
-            ball: named("body", "ball", m.body_id("ball"))?,
+            ball: body(m, "ball")?,
             target,
             within: [0, 2].map(|k| m.site_size[target][k] - m.geom_size[geom][0]),
         })

@@ -18,7 +18,7 @@ use gym_core::{Result, math};
 use gym_mujoco::{Data, Model};
 
 use super::{check, config, minus, norm};
-use crate::task::{TARGET, clip, named};
+use crate::task::{TARGET, body, clip, geom, site};
 use crate::{Domain, Observation, Start, Task, register};
 
 const FAST: f64 = -15.0; // rad/s
@@ -81,12 +81,12 @@ impl Domain for Finger {
     }
 
     fn new(config: &Config, m: &Model) -> Result<Self> {
-        let cap = named("geom", "cap1", m.geom_id("cap1"))?;
+        let cap = geom(m, "cap1")?;
         Ok(Self {
             target_size: config.target_size,
-            spinner: named("body", "spinner", m.body_id("spinner"))?,
-            tip: named("site", "tip", m.site_id("tip"))?,
-            target: named("site", "target", m.site_id("target"))?,
+            spinner: body(m, "spinner")?,
+            tip: site(m, "tip")?,
+            target: site(m, "target")?,
             reach: m.geom_size[cap].iter().sum(),
         })
     }

@@ -20,7 +20,7 @@ use gym_mujoco::{Data, Model};
 use super::axis::ZZ;
 use super::{config, minus, norm, times};
 use crate::rewards::{Sigmoid, Tolerance};
-use crate::task::{clip, named};
+use crate::task::{body, clip, geom};
 use crate::{Domain, Observation, Start, Task, register};
 
 const UPRIGHT: Tolerance = Tolerance::within(1.0, 1.0).margin(1.0, Sigmoid::Gaussian);
@@ -68,12 +68,12 @@ impl Domain for Fish {
     }
 
     fn new(config: &Config, m: &Model) -> Result<Self> {
-        let mouth = named("geom", "mouth", m.geom_id("mouth"))?;
-        let target = named("geom", "target", m.geom_id("target"))?;
+        let mouth = geom(m, "mouth")?;
+        let target = geom(m, "target")?;
         let radii = m.geom_size[mouth][0] + m.geom_size[target][0];
         Ok(Self {
             swim: config.swim,
-            torso: named("body", "torso", m.body_id("torso"))?,
+            torso: body(m, "torso")?,
             mouth,
             target,
             near: Tolerance::within(0.0, radii).margin(2.0 * radii, Sigmoid::Gaussian),

@@ -19,7 +19,7 @@ use gym_mujoco::{Data, Model};
 
 use super::{check, config};
 use crate::rewards::{Sigmoid, Tolerance, small_control};
-use crate::task::{STANDING, clip, named};
+use crate::task::{STANDING, body, clip};
 use crate::{Domain, Observation, Start, Task, register};
 
 config! { 20.0;
@@ -58,8 +58,8 @@ impl Domain for Hopper {
         let speed = config.speed;
         let hopping = Tolerance::above(speed).margin(speed / 2.0, Sigmoid::Linear(0.5));
         Ok(Self {
-            torso: named("body", "torso", m.body_id("torso"))?,
-            foot: named("body", "foot", m.body_id("foot"))?,
+            torso: body(m, "torso")?,
+            foot: body(m, "foot")?,
             standing: Tolerance::within(config.stand_height, 2.0),
             hopping: (speed != 0.0).then_some(hopping),
         })

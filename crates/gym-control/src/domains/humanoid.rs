@@ -20,7 +20,7 @@ use gym_mujoco::{Data, Model};
 use super::axis::{ZX, ZZ};
 use super::{check, config, minus, norm, times};
 use crate::rewards::{Sigmoid, Tolerance, mean, small_control};
-use crate::task::{STANDING, clip, named};
+use crate::task::{STANDING, body, clip};
 use crate::{Domain, Observation, Start, Task, register};
 
 const UPRIGHT: Tolerance = Tolerance::above(0.9).margin(1.9, Sigmoid::Linear(0.0));
@@ -63,17 +63,16 @@ impl Domain for Humanoid {
     fn new(config: &Config, m: &Model) -> Result<Self> {
         check("speed", config.speed, 0.0, 1000.0)?;
         check("stand_height", config.stand_height, 0.01, 10.0)?;
-        let body = |name| named("body", name, m.body_id(name));
         let (speed, height) = (config.speed, config.stand_height);
         let going = Tolerance::above(speed).margin(speed, Sigmoid::Linear(0.0));
         Ok(Self {
-            torso: body("torso")?,
-            head: body("head")?,
+            torso: body(m, "torso")?,
+            head: body(m, "head")?,
             limbs: [
-                body("left_hand")?,
-                body("left_foot")?,
-                body("right_hand")?,
-                body("right_foot")?,
+                body(m, "left_hand")?,
+                body(m, "left_foot")?,
+                body(m, "right_hand")?,
+                body(m, "right_foot")?,
             ],
             standing: Tolerance::above(height).margin(height / 4.0, Sigmoid::Gaussian),
             going: (speed != 0.0).then_some(going),

@@ -22,7 +22,7 @@ use super::arm::{self, Arm, distance, pose, turned};
 use super::axis::{XX, ZX};
 use super::config;
 use crate::rewards::{Sigmoid, Tolerance};
-use crate::task::{clip, named};
+use crate::task::{body, clip, joint, site};
 use crate::{Domain, Observation, Start, Task, register};
 
 const CLOSE: Tolerance = Tolerance::within(0.0, 0.01).margin(0.02, Sigmoid::Gaussian);
@@ -84,9 +84,7 @@ impl Domain for Manipulator {
     }
 
     fn new(config: &Config, m: &Model) -> Result<Self> {
-        let site = |name| named("site", name, m.site_id(name));
-        let body = |name| named("body", name, m.body_id(name));
-        let pair = |a, b| -> Result<[usize; 2]> { Ok([site(a)?, site(b)?]) };
+        let pair = |a, b| -> Result<[usize; 2]> { Ok([site(m, a)?, site(m, b)?]) };
         let (mut pairs, mut grasping) = (vec![pair("object", "target")?], Vec::new());
         if config.use_peg {
             pairs.push(pair("target_tip", "peg_tip")?);
@@ -96,10 +94,10 @@ impl Domain for Manipulator {
             arm: Arm::new(m, TOUCH)?,
             insert: config.insert,
             fully_observable: config.fully_observable,
-            object: body("object")?,
-            joint: named("joint", "object_x", m.joint_id("object_x"))?,
-            target: body("target")?,
-            grasp: site("grasp")?,
+            object: body(m, "object")?,
+            joint: joint(m, "object_x")?,
+            target: body(m, "target")?,
+            grasp: site(m, "grasp")?,
             pairs,
             grasping,
         })

@@ -36,12 +36,6 @@ macro_rules! config {
                 pub common: $crate::Common = $crate::Common::lasting($seconds),
             }
         }
-
-        impl AsRef<$crate::Common> for Config {
-            fn as_ref(&self) -> &$crate::Common {
-                &self.common
-            }
-        }
     };
 }
 pub(crate) use config;

@@ -22,7 +22,7 @@ use gym_mujoco::{Data, Model};
 use super::axis::{XZ, ZZ};
 use super::config;
 use crate::rewards::Tolerance;
-use crate::task::{clip, named};
+use crate::task::{body, clip};
 use crate::{Domain, Observation, Start, Task, register};
 
 /// The pole is upright if the cosine of its angle is at least the cosine of 8 degrees.
@@ -46,7 +46,7 @@ impl Domain for Pendulum {
     }
 
     fn new(_: &Config, m: &Model) -> Result<Self> {
-        let pole = named("body", "pole", m.body_id("pole"))?;
+        let pole = body(m, "pole")?;
         Ok(Self { pole })
     }
 }

@@ -19,7 +19,7 @@ use gym_mujoco::{CompiledModel, Data, Model};
 
 use super::{check, config, minus, norm};
 use crate::rewards::{Sigmoid, Tolerance, small_control};
-use crate::task::{clip, named};
+use crate::task::{clip, geom};
 use crate::{Domain, Observation, Start, Task, register};
 
 /// Two directions are too similar if the cosine between them exceeds this.
@@ -66,8 +66,8 @@ impl Domain for PointMass {
         let size = config.target_size;
         Ok(Self {
             randomize_gains: config.randomize_gains,
-            mass: named("geom", "mass", m.geom_id("mass"))?,
-            target: named("geom", "target", m.geom_id("target"))?,
+            mass: geom(m, "mass")?,
+            target: geom(m, "target")?,
             near: Tolerance::within(0.0, size).margin(size, Sigmoid::Gaussian),
         })
     }

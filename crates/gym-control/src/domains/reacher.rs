@@ -20,7 +20,7 @@ use gym_mujoco::{Data, Model};
 
 use super::{check, config, norm};
 use crate::rewards::Tolerance;
-use crate::task::{clip, named};
+use crate::task::{clip, geom};
 use crate::{Domain, Observation, Start, Task, register};
 
 config! { 20.0;
@@ -57,10 +57,10 @@ impl Domain for Reacher {
     }
 
     fn new(config: &Config, m: &Model) -> Result<Self> {
-        let finger = named("geom", "finger", m.geom_id("finger"))?;
+        let finger = geom(m, "finger")?;
         Ok(Self {
             finger,
-            target: named("geom", "target", m.geom_id("target"))?,
+            target: geom(m, "target")?,
             touching: Tolerance::within(0.0, config.target_size + m.geom_size[finger][0]),
         })
     }

@@ -20,7 +20,7 @@ use gym_mujoco::{Data, Model};
 use super::arm::{self, Arm, distance, pose};
 use super::config;
 use crate::rewards::{Sigmoid, Tolerance};
-use crate::task::{clip, named};
+use crate::task::{body, clip, joint, site};
 use crate::{Domain, Observation, Start, Task, register};
 
 /// Half the width of a box.
@@ -77,20 +77,20 @@ impl Domain for Stacker {
 
     fn new(config: &Config, m: &Model) -> Result<Self> {
         let both = |name: &str| -> Result<[usize; 2]> {
-            let body = named("body", name, m.body_id(name))?;
-            Ok([body, named("site", name, m.site_id(name))?])
+            let body = body(m, name)?;
+            Ok([body, site(m, name)?])
         };
         let one = |i: u32| -> Result<[usize; 3]> {
             let name = format!("box{i}");
             let [body, site] = both(&name)?;
-            Ok([body, site, named("joint", &name, m.joint_id(&name))?])
+            Ok([body, site, joint(m, &name)?])
         };
         Ok(Self {
             arm: Arm::new(m, TOUCH)?,
             fully_observable: config.fully_observable,
             boxes: (0..config.boxes).map(one).collect::<Result<_>>()?,
             target: both("target")?,
-            grasp: named("site", "grasp", m.site_id("grasp"))?,
+            grasp: site(m, "grasp")?,
         })
     }
 }

@@ -19,7 +19,7 @@ use gym_mujoco::{Data, Model};
 
 use super::{config, minus, norm, times};
 use crate::rewards::{Sigmoid, Tolerance};
-use crate::task::{clip, named};
+use crate::task::{body, clip, geom};
 use crate::{Domain, Observation, Start, Task, register};
 
 config! { 30.0;
@@ -86,11 +86,11 @@ impl Domain for Swimmer {
     }
 
     fn new(_: &Config, m: &Model) -> Result<Self> {
-        let target = named("geom", "target", m.geom_id("target"))?;
+        let target = geom(m, "target")?;
         let size = m.geom_size[target][0];
         Ok(Self {
-            head: named("body", "head", m.body_id("head"))?,
-            nose: named("geom", "nose", m.geom_id("nose"))?,
+            head: body(m, "head")?,
+            nose: geom(m, "nose")?,
             target,
             near: Tolerance::within(0.0, size).margin(5.0 * size, Sigmoid::LongTail),
         })

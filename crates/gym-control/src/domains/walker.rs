@@ -20,7 +20,7 @@ use gym_mujoco::{Data, Model};
 use super::axis::{XX, XZ, ZZ};
 use super::{check, config};
 use crate::rewards::{Sigmoid, Tolerance};
-use crate::task::{STANDING, clip, named};
+use crate::task::{STANDING, body, clip};
 use crate::{Domain, Observation, Start, Task, register};
 
 config! { 25.0;
@@ -58,7 +58,7 @@ impl Domain for Walker {
         let (speed, height) = (config.speed, config.stand_height);
         let going = Tolerance::above(speed).margin(speed / 2.0, Sigmoid::Linear(0.5));
         Ok(Self {
-            torso: named("body", "torso", m.body_id("torso"))?,
+            torso: body(m, "torso")?,
             standing: Tolerance::above(height).margin(height / 2.0, Sigmoid::Gaussian),
             going: (speed != 0.0).then_some(going),
         })

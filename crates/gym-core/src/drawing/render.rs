@@ -173,13 +173,12 @@ struct StoredFrame {
 impl TryFrom<StoredFrame> for Frame {
     type Error = Error;
 
-    fn try_from(
-        StoredFrame {
+    fn try_from(stored: StoredFrame) -> Result<Self> {
+        let StoredFrame {
             width,
             height,
             pixels,
-        }: StoredFrame,
-    ) -> Result<Self> {
+        } = stored;
         let bytes = u128::from(width) * u128::from(height) * 3;
         if pixels.len() as u128 != bytes {
             return Err(Error::custom(format!(

@@ -40,6 +40,16 @@ pub trait Task: Clone + fmt::Debug + Send + 'static {
     /// [`Error::InvalidArgument`] for an argument out of range.
     fn new(config: Self::Config) -> Result<Self>;
 
+    /// Refuses arguments with which no episode can start. Environments and vectors call it when
+    /// they are made. [`assign`](Self::assign) does not call it: a running episode continues with
+    /// such arguments.
+    ///
+    /// # Errors
+    /// [`Error::InvalidArgument`] for an argument with which no episode can start.
+    fn check_start(&self) -> Result<()> {
+        Ok(())
+    }
+
     /// The arguments, with every random choice filled in.
     fn config(&self) -> &Self::Config;
 
@@ -296,7 +306,9 @@ impl<D: Dynamics> Stateful<D> {
     /// # Errors
     /// [`Error::InvalidArgument`] for an argument out of range.
     pub fn new(config: D::Config) -> Result<Self> {
-        D::new(config).map(|dynamics| Self {
+        let dynamics = D::new(config)?;
+        dynamics.check_start()?;
+        Ok(Self {
             dynamics,
             episode: None,
         })

@@ -68,11 +68,11 @@ impl EnvBuilder {
         .args(Kwargs::new())
     }
 
-    fn change(self, change: impl FnOnce(EnvSpec) -> Result<EnvSpec>) -> Self {
-        Self {
-            spec: self.spec.and_then(change),
-            ..self
+    fn change(mut self, change: impl FnOnce(&mut EnvSpec)) -> Self {
+        if let Ok(spec) = &mut self.spec {
+            change(spec);
         }
+        self
     }
 
     /// Sets a constructor argument. As in Gymnasium, `render_mode`, `max_episode_steps` (-1 for no
@@ -85,76 +85,49 @@ impl EnvBuilder {
     /// Sets some constructor arguments, as [`arg`](Self::arg) does.
     #[must_use]
     pub fn args(self, kwargs: Kwargs) -> Self {
-        self.change(|mut spec| {
+        let spec = self.spec.and_then(|mut spec| {
             spec.kwargs.extend(kwargs);
             spec.take_arguments_of_make()?;
             Ok(spec)
-        })
+        });
+        Self { spec, ..self }
     }
 
     /// The mode of [`render`](crate::EnvExt::render).
     #[must_use]
     pub fn render_mode(self, mode: RenderMode) -> Self {
-        self.change(|spec| {
-            Ok(EnvSpec {
-                render_mode: Some(mode),
-                ..spec
-            })
-        })
+        self.change(|spec| spec.render_mode = Some(mode))
     }
 
     /// Width and height of rendered frames.
     #[must_use]
     pub fn render_size(self, width: u32, height: u32) -> Self {
-        self.change(|spec| {
-            Ok(EnvSpec {
-                render_size: Some((width, height)),
-                ..spec
-            })
-        })
+        self.change(|spec| spec.render_size = Some((width, height)))
     }
 
     /// Truncates episodes after this number of steps instead of the registered one; `None` for no
     /// limit.
     #[must_use]
     pub fn max_episode_steps(self, steps: impl Into<Option<u32>>) -> Self {
-        self.change(|spec| {
-            Ok(EnvSpec {
-                max_episode_steps: steps.into(),
-                ..spec
-            })
-        })
+        self.change(|spec| spec.max_episode_steps = steps.into())
     }
 
     /// Leaves out the passive checker.
     #[must_use]
     pub fn disable_env_checker(self, disable: bool) -> Self {
-        self.change(|spec| {
-            Ok(EnvSpec {
-                disable_env_checker: disable,
-                ..spec
-            })
-        })
+        self.change(|spec| spec.disable_env_checker = disable)
     }
 
     /// `false` leaves out the check for calls before `reset` and after `close`.
     #[must_use]
     pub fn order_enforce(self, enforce: bool) -> Self {
-        self.change(|spec| {
-            Ok(EnvSpec {
-                order_enforce: enforce,
-                ..spec
-            })
-        })
+        self.change(|spec| spec.order_enforce = enforce)
     }
 
     /// Puts a wrapper around all others.
     #[must_use]
     pub fn wrap(self, wrapper: WrapperSpec) -> Self {
-        self.change(|mut spec| {
-            spec.additional_wrappers.push(wrapper);
-            Ok(spec)
-        })
+        self.change(|spec| spec.additional_wrappers.push(wrapper))
     }
 
     /// The spec with all options. An id without version, or with an outdated one, logs a warning

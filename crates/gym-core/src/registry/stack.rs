@@ -36,7 +36,7 @@ pub(super) fn stack<E: Env>(
         ..spec.clone()
     };
     let env = Registered {
-        env,
+        inner: env,
         spec: Arc::new(bare),
         options,
     };
@@ -87,34 +87,27 @@ fn limited<E: Env>(env: E, max_episode_steps: Option<u32>) -> Result<BoxEnv> {
 /// An environment with its spec.
 #[derive(Clone)]
 struct Registered<E> {
-    env: E,
+    inner: E,
     spec: Arc<EnvSpec>,
     options: ResetOptions,
 }
 
 impl<E: Env> crate::env::Wrapper for Registered<E> {
-    type Inner = E;
     type Observation = E::Observation;
     type Action = E::Action;
 
-    fn inner(&self) -> &E {
-        &self.env
-    }
-
-    fn inner_mut(&mut self) -> &mut E {
-        &mut self.env
-    }
+    crate::inner!(E);
 
     fn on_reset(&mut self, reset: &Reset, observation: &mut E::Observation) -> Result<()> {
         if !reset.options.is_empty() {
             self.options.check(&self.spec.id, &reset.options)?;
         }
-        self.env.reset_into(reset, observation)
+        self.inner.reset_into(reset, observation)
     }
 
     #[inline]
     fn on_step(&mut self, action: &E::Action, observation: &mut E::Observation) -> Result<Outcome> {
-        self.env.step_into(action, observation)
+        self.inner.step_into(action, observation)
     }
 
     fn on_spec(&self) -> Option<EnvSpec> {
@@ -122,10 +115,10 @@ impl<E: Env> crate::env::Wrapper for Registered<E> {
     }
 
     fn on_visit_layers(&self, visit: &mut dyn FnMut(&'static str)) {
-        self.env.visit_layers(visit);
+        self.inner.visit_layers(visit);
     }
 
     fn on_describe(&self) -> String {
-        format!("{}<{}>", self.env.describe(), self.spec.id)
+        format!("{}<{}>", self.inner.describe(), self.spec.id)
     }
 }

@@ -1,10 +1,10 @@
 //! From an id to a vector of environments.
 
 use super::{EnvBuilder, builder, find};
-use crate::env::{BoxEnv, Env};
+use crate::env::BoxEnv;
 use crate::spec::{Autoreset, Each, EnvSpec, VectorKind, VectorSpec};
 use crate::value::{Error, Result};
-use crate::vector::{AsyncVectorEnv, SyncVectorEnv, VectorEnv, size, slot};
+use crate::vector::{AsyncVectorEnv, SyncVectorEnv, VectorEnv, slot};
 
 /// Makes a vector of `num_envs` environments, as Gymnasium's `make_vec`.
 ///
@@ -34,15 +34,7 @@ impl VectorSpec {
     /// The errors of [`EnvSpec::make`]; [`Error::InvalidArgument`] if the environments do not fit
     /// in memory, estimated from the first one.
     pub fn envs(&self) -> Result<Vec<BoxEnv>> {
-        self.check_each()?;
-        let make = |index| self.env_at(index).make();
-        let first = make(0)?;
-        let observation = first.observation_space();
-        let bytes = slot::slot_bytes::<BoxEnv>(&observation) + ENV_BYTES;
-        size::check(self.num_envs, &observation, &first.action_space(), bytes)?;
-        std::iter::once(Ok(first))
-            .chain((1..self.num_envs).map(make))
-            .collect()
+        slot::make_envs(self, ENV_BYTES, |index| self.env_at(index).make())
     }
 
     /// Makes the vector in its wrappers.
@@ -159,6 +151,13 @@ pub struct VectorBuilder {
 }
 
 impl VectorBuilder {
+    fn change(mut self, change: impl FnOnce(&mut VectorSpec)) -> Self {
+        if let Ok(spec) = &mut self.spec {
+            change(spec);
+        }
+        self
+    }
+
     /// Sets an argument of each sub-environment: a list has one value for each; from a range, each
     /// draws a new value at each reset. Native vectors support both, for arguments that are
     /// numbers; sync and async vectors support lists.
@@ -170,47 +169,31 @@ impl VectorBuilder {
     /// # }
     /// ```
     #[must_use]
-    pub fn arg_each(mut self, name: &str, each: impl Into<Each>) -> Self {
-        if let Ok(spec) = &mut self.spec {
+    pub fn arg_each(self, name: &str, each: impl Into<Each>) -> Self {
+        self.change(|spec| {
             spec.each.insert(name.to_owned(), each.into());
-        }
-        self
+        })
     }
 
     /// The kind of vector. The default is native if the id has a native vector that supports the
     /// options, else sync. Native vectors do not support wrappers of environments, a render mode, a
     /// time limit above 65534 steps, or arguments that only scalar environments have.
     #[must_use]
-    pub fn kind(self, kind: VectorKind) -> Self {
-        let spec = self.spec.map(|spec| VectorSpec {
-            vectorization_mode: kind,
-            ..spec
-        });
-        Self {
-            spec,
-            has_kind: true,
-        }
+    pub fn kind(mut self, kind: VectorKind) -> Self {
+        self.has_kind = true;
+        self.change(|spec| spec.vectorization_mode = kind)
     }
 
     /// When sub-environments are reset; the default is the next step.
     #[must_use]
     pub fn autoreset(self, autoreset: Autoreset) -> Self {
-        Self {
-            spec: self.spec.map(|spec| spec.autoreset(autoreset)),
-            ..self
-        }
+        self.change(|spec| spec.autoreset_mode = autoreset)
     }
 
     /// The number of threads of an async vector; the default is one per core.
     #[must_use]
     pub fn threads(self, threads: usize) -> Self {
-        Self {
-            spec: self.spec.map(|spec| VectorSpec {
-                threads: Some(threads),
-                ..spec
-            }),
-            ..self
-        }
+        self.change(|spec| spec.threads = Some(threads))
     }
 
     /// The spec with all options.

@@ -4,12 +4,11 @@
 //! Arrays of one shape, and integers, become one array with a new first axis; members of tuples and
 //! dicts are batched one by one; all else becomes a tuple of the elements.
 
-use super::{
-    BoxSpace, DictSpace, MultiBinary, MultiDiscrete, Space, TupleSpace, element_count, invalid,
-};
+use super::rows::{expect_i64, expect_type};
+use super::{BoxSpace, MultiBinary, MultiDiscrete, Space, TupleSpace, element_count, invalid};
 use crate::value::array::Array;
 use crate::value::fault::{Fault, expect_array};
-use crate::value::number::{Number, can_cast, collect, into_data, with_type};
+use crate::value::number::{Number, collect, into_data, with_type};
 use crate::value::{Data, Error, Result, Value, numpy_fmt};
 
 impl Space {
@@ -31,17 +30,8 @@ impl Space {
             Self::Box(_) | Self::Discrete(_) | Self::MultiDiscrete(_) | Self::MultiBinary(_) => {
                 batch_space(self, n)?
             }
-            Self::Tuple(space) => {
-                let spaces = space.spaces().iter().map(|space| space.batch(n));
-                TupleSpace::new(spaces.collect::<Result<Vec<_>>>()?).into()
-            }
-            Self::Dict(space) => {
-                let spaces = space
-                    .spaces()
-                    .iter()
-                    .map(|(key, space)| Ok((key, space.batch(n)?)));
-                DictSpace::in_order(spaces.collect::<Result<Vec<_>>>()?)?.into()
-            }
+            Self::Tuple(space) => space.map(|space| space.batch(n))?.into(),
+            Self::Dict(space) => space.map(|space| space.batch(n))?.into(),
             _ => TupleSpace::new(vec![self.clone(); n]).into(),
         })
     }
@@ -160,24 +150,18 @@ pub(super) fn iterate(space: &Space, value: &Value) -> Result<Vec<Value>, Fault>
     match (space, value) {
         (Space::Tuple(space), _) => {
             let mut columns = Vec::new();
-            for (i, (space, column)) in space.members(value)?.enumerate() {
-                columns.push(
-                    iterate(space, column)
-                        .map_err(|fault| fault.at(i))?
-                        .into_iter(),
-                );
-            }
+            space.each(value, |space, column| {
+                columns.push(iterate(space, column)?.into_iter());
+                Ok(())
+            })?;
             rows(columns).map(|rows| rows.into_iter().map(Value::Tuple).collect())
         }
         (Space::Dict(space), _) => {
             let mut columns = Vec::new();
-            for ((key, _), (space, column)) in space.spaces().iter().zip(space.members(value)?) {
-                columns.push(
-                    iterate(space, column)
-                        .map_err(|fault| fault.under(key))?
-                        .into_iter(),
-                );
-            }
+            space.each(value, |space, column| {
+                columns.push(iterate(space, column)?.into_iter());
+                Ok(())
+            })?;
             let keys = || space.spaces().iter().map(|(key, _)| key.clone());
             let name = |row: Vec<Value>| Value::Dict(keys().zip(row).collect());
             rows(columns).map(|rows| rows.into_iter().map(name).collect())
@@ -201,7 +185,7 @@ fn rows(mut columns: Vec<std::vec::IntoIter<Value>>) -> Result<Vec<Vec<Value>>, 
 }
 
 /// [`iterate`] for a space whose elements are arrays or integers.
-pub(super) fn iterate_array(space: &Space, array: &Array) -> Result<Vec<Value>, Fault> {
+fn iterate_array(space: &Space, array: &Array) -> Result<Vec<Value>, Fault> {
     let (Some(shape), Some(dtype)) = (space.shape(), space.dtype()) else {
         return Err(Fault::new("the elements do not batch into an array"));
     };
@@ -215,16 +199,9 @@ pub(super) fn iterate_array(space: &Space, array: &Array) -> Result<Vec<Value>, 
         }
     };
     if let Space::Discrete(_) = space {
-        if !can_cast(array.dtype(), dtype) {
-            return Err(Fault::new(format!(
-                "the numbers are {} and should be {dtype}",
-                array.dtype()
-            )));
-        }
-        let integer = |number: Number| number.to_int().and_then(|i| i64::try_from(i).ok());
-        let too_large = || Fault::new("a number is too large");
+        expect_type(array, dtype)?;
         return Number::all(array.data())
-            .map(|x| integer(x).map(Value::Int).ok_or_else(too_large))
+            .map(|x| expect_i64(x).map(Value::Int))
             .collect();
     }
     let row = |i: usize| {

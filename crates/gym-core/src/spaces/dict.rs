@@ -83,17 +83,60 @@ impl DictSpace {
     }
 
     pub(super) fn check(&self, value: &Value) -> Result<(), Fault> {
-        for (key, (space, member)) in self
+        self.each(value, Space::check_value)
+    }
+
+    /// Calls `f` with each member space and the value under its key. A fault names the key.
+    pub(super) fn each<'a>(
+        &'a self,
+        value: &'a Value,
+        mut f: impl FnMut(&'a Space, &'a Value) -> Result<(), Fault>,
+    ) -> Result<(), Fault> {
+        let mut members = self.spaces.iter().zip(self.members(value)?);
+        members.try_for_each(|((key, _), (space, member))| {
+            f(space, member).map_err(|fault| fault.under(key))
+        })
+    }
+
+    /// The space whose members `f` makes of the members of this space.
+    pub(super) fn map(&self, mut f: impl FnMut(&Space) -> Result<Space>) -> Result<Self> {
+        let spaces = self
             .spaces
             .iter()
-            .map(|(key, _)| key)
-            .zip(self.members(value)?)
-        {
-            space
-                .check_value(member)
-                .map_err(|fault| fault.under(key))?;
+            .map(|(key, space)| Ok((key.clone(), f(space)?)));
+        Ok(Self {
+            spaces: spaces.collect::<Result<_>>()?,
+        })
+    }
+
+    /// The value whose members `f` makes of the member spaces.
+    pub(super) fn value(&self, mut f: impl FnMut(&Space) -> Result<Value>) -> Result<Value> {
+        let entries = self
+            .spaces
+            .iter()
+            .map(|(key, space)| Ok((key.clone(), f(space)?)));
+        entries.collect::<Result<_>>().map(Value::Dict)
+    }
+
+    /// The entries of `out`, which becomes a dict with the keys of the space, in its order.
+    pub(super) fn entries_of<'a>(&self, out: &'a mut Value) -> &'a mut [(String, Value)] {
+        if !matches!(out, Value::Dict(entries) if self.has_keys(entries)) {
+            let entries = self
+                .spaces
+                .iter()
+                .map(|(key, _)| (key.clone(), Value::Null));
+            *out = Value::Dict(entries.collect());
         }
-        Ok(())
+        match out {
+            Value::Dict(entries) => entries,
+            _ => unreachable!("`out` was just made a dict"),
+        }
+    }
+
+    /// Whether `entries` have the keys of the space, in its order.
+    pub(super) fn has_keys(&self, entries: &[(String, Value)]) -> bool {
+        entries.len() == self.spaces.len()
+            && entries.iter().zip(&self.spaces).all(|(a, b)| a.0 == b.0)
     }
 
     /// Each member space with the value under its key, if the keys equal the space's keys.
@@ -125,19 +168,7 @@ impl DictSpace {
         selection: &Selection<T>,
         out: &mut Value,
     ) {
-        let has_keys = |entries: &[(String, Value)]| {
-            entries.len() == self.spaces.len()
-                && entries.iter().zip(&self.spaces).all(|(a, b)| a.0 == b.0)
-        };
-        if !matches!(out, Value::Dict(entries) if has_keys(entries)) {
-            *out = Value::Dict(
-                self.spaces
-                    .iter()
-                    .map(|(key, _)| (key.clone(), Value::Null))
-                    .collect(),
-            );
-        }
-        let Value::Dict(entries) = out else { return };
+        let entries = self.entries_of(out);
         for (((key, space), streams), (_, out)) in
             self.spaces.iter().zip(&mut streams.members).zip(entries)
         {

@@ -6,10 +6,7 @@ use crate::value::array::{Array, element_count};
 use crate::value::number::{Number, collect, result_type};
 use crate::value::{DType, Result};
 
-use super::{
-    BoxSpace, DictSpace, GraphSpace, MAX_ELEMENTS, OneOfSpace, SequenceSpace, Space, TupleSpace,
-    invalid,
-};
+use super::{BoxSpace, GraphSpace, MAX_ELEMENTS, OneOfSpace, SequenceSpace, Space, invalid};
 
 impl Space {
     /// Whether elements flatten to an array of fixed length: all except `Sequence`, `Graph`,
@@ -45,17 +42,8 @@ impl Space {
     pub fn flatten_space(&self) -> Result<Self> {
         Ok(match self {
             _ if self.is_flattenable() => self.flat_box()?.into(),
-            Self::Tuple(space) => {
-                let spaces = space.spaces().iter().map(Self::flatten_space);
-                TupleSpace::new(spaces.collect::<Result<Vec<_>>>()?).into()
-            }
-            Self::Dict(space) => {
-                let spaces = space
-                    .spaces()
-                    .iter()
-                    .map(|(key, space)| Ok((key, space.flatten_space()?)));
-                DictSpace::in_order(spaces.collect::<Result<Vec<_>>>()?)?.into()
-            }
+            Self::Tuple(space) => space.map(Self::flatten_space)?.into(),
+            Self::Dict(space) => space.map(Self::flatten_space)?.into(),
             Self::Sequence(space) => {
                 let build = if space.is_stacked() {
                     SequenceSpace::stacked
@@ -197,7 +185,7 @@ fn flat_one_of(space: &OneOfSpace, dtype: DType, len: usize) -> Result<BoxSpace>
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::spaces::{Discrete, MultiBinary, MultiDiscrete, TextSpace};
+    use crate::spaces::{Discrete, MultiBinary, MultiDiscrete, TextSpace, TupleSpace};
 
     fn flat(space: impl Into<Space>) -> String {
         space.into().flatten_space().unwrap().to_string()

@@ -126,19 +126,10 @@ impl Space {
                     .for_each(|(out, index)| *out = int(index));
             }
             Self::Tuple(space) => {
-                for (i, (space, member)) in space.members(value)?.enumerate() {
-                    space
-                        .write_flat(member, next(space))
-                        .map_err(|fault| fault.at(i))?;
-                }
+                space.each(value, |space, member| space.write_flat(member, next(space)))?;
             }
             Self::Dict(space) => {
-                for ((key, _), (space, member)) in space.spaces().iter().zip(space.members(value)?)
-                {
-                    space
-                        .write_flat(member, next(space))
-                        .map_err(|fault| fault.under(key))?;
-                }
+                space.each(value, |space, member| space.write_flat(member, next(space)))?;
             }
             Self::OneOf(space) => {
                 let (index, space, member) = space.chosen(value)?;

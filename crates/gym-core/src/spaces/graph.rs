@@ -256,13 +256,8 @@ struct Description {
 impl TryFrom<Description> for GraphSpace {
     type Error = Error;
 
-    fn try_from(
-        Description {
-            node_space,
-            edge_space,
-        }: Description,
-    ) -> Result<Self> {
-        Self::new(node_space, edge_space)
+    fn try_from(stored: Description) -> Result<Self> {
+        Self::new(stored.node_space, stored.edge_space)
     }
 }
 

@@ -62,21 +62,8 @@ impl Space {
                 Value::Text(_) => Ok(()),
                 _ => Err(Fault::kind("a text", value)),
             },
-            Self::Tuple(space) => {
-                space
-                    .members(value)?
-                    .enumerate()
-                    .try_for_each(|(i, (space, member))| {
-                        space.check_form(member).map_err(|fault| fault.at(i))
-                    })
-            }
-            Self::Dict(space) => {
-                let keys = space.spaces().iter().map(|(key, _)| key);
-                keys.zip(space.members(value)?)
-                    .try_for_each(|(key, (space, member))| {
-                        space.check_form(member).map_err(|fault| fault.under(key))
-                    })
-            }
+            Self::Tuple(space) => space.each(value, Self::check_form),
+            Self::Dict(space) => space.each(value, Self::check_form),
             Self::Sequence(space) => {
                 space
                     .items(value)?
@@ -121,10 +108,8 @@ impl Space {
             }
             Self::Discrete(space) => {
                 let number = read_number(json, space.dtype())?;
-                let integer = number.to_int().and_then(|i| i64::try_from(i).ok());
-                integer
-                    .map(Value::Int)
-                    .ok_or_else(|| Fault::new(format!("{number} does not fit int64")))
+                let too_large = || Fault::new(format!("{number} does not fit int64"));
+                number.to_i64().map(Value::Int).ok_or_else(too_large)
             }
             Self::Text(_) | Self::Mission(_) => match json {
                 Json::String(text) => Ok(Value::Text(text.clone())),

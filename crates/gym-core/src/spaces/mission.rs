@@ -24,7 +24,7 @@ const BLANK: &str = "{}";
 /// A sample has a uniform word in each blank. Two spaces are equal if their patterns are, and the
 /// words of each blank in any order.
 #[derive(Clone, Debug, Serialize, Deserialize)]
-#[serde(try_from = "Description", into = "Description")]
+#[serde(try_from = "Description")]
 pub struct MissionSpace {
     pattern: String,
     words: Vec<Vec<String>>,
@@ -94,11 +94,6 @@ impl MissionSpace {
     /// The words for each blank.
     pub fn words(&self) -> &[Vec<String>] {
         &self.words
-    }
-
-    /// Whether every text is an element.
-    pub fn is_any(&self) -> bool {
-        self.any
     }
 
     /// Whether a text is an element.
@@ -208,8 +203,8 @@ impl fmt::Display for MissionSpace {
     }
 }
 
-/// The stored form.
-#[derive(Serialize, Deserialize)]
+/// The stored form, before it is checked.
+#[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct Description {
     pattern: String,
@@ -217,38 +212,17 @@ struct Description {
     any: bool,
 }
 
-impl From<MissionSpace> for Description {
-    fn from(
-        MissionSpace {
-            pattern,
-            words,
-            any,
-        }: MissionSpace,
-    ) -> Self {
-        Self {
-            pattern,
-            words,
-            any,
-        }
-    }
-}
-
 impl TryFrom<Description> for MissionSpace {
     type Error = Error;
 
-    fn try_from(
-        Description {
-            pattern,
-            words,
+    fn try_from(stored: Description) -> Result<Self> {
+        if stored.any && stored.words.is_empty() {
+            return Ok(Self::any(&stored.pattern));
+        }
+        let any = stored.any;
+        Ok(Self {
             any,
-        }: Description,
-    ) -> Result<Self> {
-        Ok(match any {
-            true if words.is_empty() => Self::any(&pattern),
-            _ => Self {
-                any,
-                ..Self::new(&pattern, words)?
-            },
+            ..Self::new(&stored.pattern, stored.words)?
         })
     }
 }

@@ -109,17 +109,15 @@ const MAX_LEVELS: usize = 112;
 impl Space {
     /// Whether the stored form has at most `levels` of lists and objects within each other.
     fn fits_levels(&self, levels: usize) -> bool {
-        let (own, members): (usize, Vec<&Self>) = match self {
-            Self::Tuple(space) => (2, space.spaces().iter().collect()),
-            Self::OneOf(space) => (2, space.spaces().iter().collect()),
-            Self::Dict(space) => (3, space.spaces().iter().map(|(_, space)| space).collect()),
-            Self::Sequence(space) => (1, vec![space.feature_space()]),
+        let own = match self {
+            Self::Sequence(_) => 1,
+            Self::Tuple(_) | Self::OneOf(_) => 2,
+            Self::Dict(_) => 3,
             // a graph holds no spaces that hold others
             _ => return levels >= 4 + self.shape().map_or(0, <[usize]>::len),
         };
-        levels
-            .checked_sub(own)
-            .is_some_and(|left| members.into_iter().all(|space| space.fits_levels(left)))
+        let fit = |left| self.members().iter().all(|space| space.fits_levels(left));
+        levels.checked_sub(own).is_some_and(fit)
     }
 }
 
@@ -264,14 +262,6 @@ impl Space {
     /// Random elements, by Gymnasium's `seed` and `sample`.
     pub fn sampler(&self, seed: impl Into<Seed>) -> Sampler {
         Sampler::new(self.clone(), &seed.into())
-    }
-
-    /// Random elements, with a seed from the operating system.
-    ///
-    /// # Errors
-    /// The errors of [`Seed::from_os`].
-    pub fn sampler_from_os(&self) -> Result<Sampler> {
-        Ok(self.sampler(Seed::from_os()?))
     }
 
     /// The shape of the elements; `[]` for single numbers, `None` if they are neither numbers nor

@@ -198,8 +198,7 @@ impl MultiDiscrete {
 
 /// The numbers of an array, if they are whole and fit `i64`.
 fn integers(name: &str, array: &Array) -> Result<Vec<i64>> {
-    let int = |number: Number| number.to_int().and_then(|i| i64::try_from(i).ok());
-    let ints: Option<Vec<i64>> = Number::all(array.data()).map(int).collect();
+    let ints: Option<Vec<i64>> = Number::all(array.data()).map(Number::to_i64).collect();
     ints.map_or_else(
         || {
             invalid(format!(
@@ -234,17 +233,12 @@ struct Description {
 impl TryFrom<Description> for MultiDiscrete {
     type Error = Error;
 
-    fn try_from(
-        Description {
-            shape,
-            nvec,
-            start,
-            dtype,
-        }: Description,
-    ) -> Result<Self> {
-        let [nvec, start] =
-            [nvec, start].map(|numbers| Array::from(numbers).reshape(shape.clone()));
-        Self::new(nvec?)?.with_start(start?)?.with_dtype(dtype)
+    fn try_from(stored: Description) -> Result<Self> {
+        let [nvec, start] = [stored.nvec, stored.start]
+            .map(|numbers| Array::from(numbers).reshape(stored.shape.clone()));
+        Self::new(nvec?)?
+            .with_start(start?)?
+            .with_dtype(stored.dtype)
     }
 }
 

@@ -6,7 +6,7 @@ use crate::value::array::Array;
 use crate::value::number::{Number, Numeric, can_cast, with_type};
 use crate::value::{DType, Data, Result, Value};
 
-use super::{DictSpace, Space};
+use super::Space;
 use crate::value::fault::Fault;
 
 impl Space {
@@ -192,7 +192,7 @@ impl Space {
                         .all(|(space, column)| space.is_batch(column, n))
             }
             (Self::Dict(space), Value::Dict(columns)) => {
-                has_keys(space, columns)
+                space.has_keys(columns)
                     && space
                         .spaces()
                         .iter()
@@ -217,20 +217,8 @@ impl Space {
     /// [`Error::InvalidSpace`](crate::Error::InvalidSpace) if the space has no zero.
     pub fn empty_batch(&self, n: usize) -> Result<Value> {
         Ok(match self {
-            Self::Tuple(space) => Value::Tuple(
-                space
-                    .spaces()
-                    .iter()
-                    .map(|space| space.empty_batch(n))
-                    .collect::<Result<_>>()?,
-            ),
-            Self::Dict(space) => {
-                let columns = space
-                    .spaces()
-                    .iter()
-                    .map(|(key, space)| Ok((key.clone(), space.empty_batch(n)?)));
-                Value::Dict(columns.collect::<Result<_>>()?)
-            }
+            Self::Tuple(space) => space.value(|space| space.empty_batch(n))?,
+            Self::Dict(space) => space.value(|space| space.empty_batch(n))?,
             _ => match (self.shape(), self.dtype()) {
                 (Some(shape), Some(dtype)) => {
                     Value::Array(Array::zeros(dtype, [&[n], shape].concat())?)
@@ -243,11 +231,10 @@ impl Space {
     /// The smallest number of scalars in an element. A part that is not a number, such as a text,
     /// counts as one.
     pub(crate) fn len_of_row(&self) -> usize {
-        let sum = |lens: &mut dyn Iterator<Item = usize>| lens.fold(0usize, usize::saturating_add);
         match self {
-            Self::Tuple(space) => sum(&mut space.spaces().iter().map(Self::len_of_row)),
-            Self::Dict(space) => {
-                sum(&mut space.spaces().iter().map(|(_, space)| space.len_of_row()))
+            Self::Tuple(_) | Self::Dict(_) => {
+                let lens = self.members().into_iter().map(Self::len_of_row);
+                lens.fold(0, usize::saturating_add)
             }
             _ => self.shape().map_or(1, |shape| shape.iter().product()),
         }
@@ -266,19 +253,10 @@ impl Space {
         };
         match (self, batch) {
             (Self::Tuple(space), _) => {
-                for (i, (space, column)) in space.members(batch)?.enumerate() {
-                    space.check_rows(column, n).map_err(|fault| fault.at(i))?;
-                }
-                Ok(())
+                space.each(batch, |space, column| space.check_rows(column, n))
             }
             (Self::Dict(space), _) => {
-                for ((key, _), (space, column)) in space.spaces().iter().zip(space.members(batch)?)
-                {
-                    space
-                        .check_rows(column, n)
-                        .map_err(|fault| fault.under(key))?;
-                }
-                Ok(())
+                space.each(batch, |space, column| space.check_rows(column, n))
             }
             _ => match (self.shape(), self.dtype(), batch) {
                 (Some(shape), Some(dtype), Value::Array(array)) => {
@@ -295,13 +273,7 @@ impl Space {
     fn get_at(&self, batch: &Value, index: usize, element: &mut Value) -> Result<(), Fault> {
         match (self, batch) {
             (Self::Tuple(space), Value::Tuple(_)) => {
-                let n = space.spaces().len();
-                if !matches!(element, Value::Tuple(items) if items.len() == n) {
-                    *element = Value::Tuple(vec![Value::Null; n]);
-                }
-                let Value::Tuple(items) = element else {
-                    return Ok(());
-                };
+                let items = space.items_of(element);
                 for (i, ((space, column), item)) in space.members(batch)?.zip(items).enumerate() {
                     space
                         .get_at(column, index, item)
@@ -310,16 +282,7 @@ impl Space {
                 Ok(())
             }
             (Self::Dict(space), Value::Dict(_)) => {
-                if !matches!(element, Value::Dict(entries) if has_keys(space, entries)) {
-                    let keys = space
-                        .spaces()
-                        .iter()
-                        .map(|(key, _)| (key.clone(), Value::Null));
-                    *element = Value::Dict(keys.collect());
-                }
-                let Value::Dict(entries) = element else {
-                    return Ok(());
-                };
+                let entries = space.entries_of(element);
                 for ((space, column), (key, item)) in space.members(batch)?.zip(entries) {
                     space
                         .get_at(column, index, item)
@@ -330,10 +293,7 @@ impl Space {
             (Self::Discrete(space), Value::Array(array)) => {
                 expect_type(array, space.dtype())?;
                 expect_row(expect_rows(array, &[])?, index)?;
-                let number = Number::at(array.data(), index)
-                    .to_int()
-                    .and_then(|i| i64::try_from(i).ok());
-                *element = Value::Int(number.ok_or_else(|| Fault::new("a number is too large"))?);
+                *element = Value::Int(expect_i64(Number::at(array.data(), index))?);
                 Ok(())
             }
             (_, Value::Array(array)) => {
@@ -382,7 +342,7 @@ impl Space {
                 }
                 Ok(())
             }
-            (Self::Dict(space), Value::Dict(columns)) if has_keys(space, columns) => {
+            (Self::Dict(space), Value::Dict(columns)) if space.has_keys(columns) => {
                 for ((space, item), (key, column)) in space.members(element)?.zip(columns) {
                     space
                         .put_at(column, index, item)
@@ -479,12 +439,19 @@ fn no_row(n: usize, index: usize) -> Fault {
 }
 
 #[inline]
-fn expect_type(array: &Array, dtype: DType) -> Result<(), Fault> {
+pub(super) fn expect_type(array: &Array, dtype: DType) -> Result<(), Fault> {
     if can_cast(array.dtype(), dtype) {
         Ok(())
     } else {
         Err(other_type(array, dtype))
     }
+}
+
+/// A whole number as `i64`.
+pub(super) fn expect_i64(number: Number) -> Result<i64, Fault> {
+    number
+        .to_i64()
+        .ok_or_else(|| Fault::new("a number is too large"))
 }
 
 #[cold]
@@ -495,17 +462,12 @@ fn other_type(array: &Array, dtype: DType) -> Fault {
     ))
 }
 
-fn has_keys(space: &DictSpace, entries: &[(String, Value)]) -> bool {
-    entries.len() == space.spaces().len()
-        && entries.iter().zip(space.spaces()).all(|(a, b)| a.0 == b.0)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::spaces::{
-        BoxSpace, Discrete, GraphSpace, MultiBinary, MultiDiscrete, OneOfSpace, SequenceSpace,
-        TextSpace, TupleSpace,
+        BoxSpace, DictSpace, Discrete, GraphSpace, MultiBinary, MultiDiscrete, OneOfSpace,
+        SequenceSpace, TextSpace, TupleSpace,
     };
 
     fn spaces() -> Vec<Space> {

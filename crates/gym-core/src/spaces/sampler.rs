@@ -54,12 +54,7 @@ impl<A: Element> Iterator for Sampler<A> {
 impl Sampler<Value> {
     pub(super) fn new(space: Space, seed: &Seed) -> Self {
         let streams = Streams::new(&space, seed);
-        Self {
-            space,
-            streams,
-            buffer: Value::Null,
-            element: PhantomData,
-        }
+        Self::with_streams(space, streams)
     }
 
     /// The same sampler with elements of another type.
@@ -68,23 +63,20 @@ impl Sampler<Value> {
     /// [`Error::InvalidArgument`] if the type cannot hold the elements of the space; see
     /// [`sample`](Self::sample).
     pub fn typed<A: Element>(self) -> Result<Sampler<A>> {
-        let Self {
-            space,
-            streams,
-            buffer,
-            element: _,
-        } = self;
-        Sampler {
-            space,
-            streams,
-            buffer,
-            element: PhantomData,
-        }
-        .checked()
+        Sampler::with_streams(self.space, self.streams).checked()
     }
 }
 
 impl<A: Element> Sampler<A> {
+    fn with_streams(space: Space, streams: Streams) -> Self {
+        Self {
+            space,
+            streams,
+            buffer: Value::Null,
+            element: PhantomData,
+        }
+    }
+
     /// Fails if the type does not hold the first or the last element of the space.
     fn checked(self) -> Result<Self> {
         for high in [false, true] {
@@ -245,13 +237,7 @@ impl<A: Element> TryFrom<Stored> for Sampler<A> {
                 "its generators are not those of {space}"
             )));
         }
-        Self {
-            space,
-            streams,
-            buffer: Value::Null,
-            element: PhantomData,
-        }
-        .checked()
+        Self::with_streams(space, streams).checked()
     }
 }
 

@@ -194,17 +194,11 @@ struct Description {
 }
 
 impl From<TextSpace> for Description {
-    fn from(
-        TextSpace {
-            min_length,
-            max_length,
-            charset,
-        }: TextSpace,
-    ) -> Self {
+    fn from(space: TextSpace) -> Self {
         Self {
-            min_length,
-            max_length,
-            charset: charset.into_iter().collect(),
+            min_length: space.min_length,
+            max_length: space.max_length,
+            charset: space.charset.into_iter().collect(),
         }
     }
 }
@@ -212,14 +206,8 @@ impl From<TextSpace> for Description {
 impl TryFrom<Description> for TextSpace {
     type Error = Error;
 
-    fn try_from(
-        Description {
-            min_length,
-            max_length,
-            charset,
-        }: Description,
-    ) -> Result<Self> {
-        Self::new(min_length, max_length)?.with_charset(&charset)
+    fn try_from(stored: Description) -> Result<Self> {
+        Self::new(stored.min_length, stored.max_length)?.with_charset(&stored.charset)
     }
 }
 

@@ -4,7 +4,7 @@ use std::fmt;
 
 use serde::{Deserialize, Serialize};
 
-use crate::value::Value;
+use crate::value::{Result, Value};
 
 use super::sampler::Streams;
 use super::selection::Selection;
@@ -51,10 +51,32 @@ impl TupleSpace {
     }
 
     pub(super) fn check(&self, value: &Value) -> Result<(), Fault> {
-        for (i, (space, member)) in self.members(value)?.enumerate() {
-            space.check_value(member).map_err(|fault| fault.at(i))?;
-        }
-        Ok(())
+        self.each(value, Space::check_value)
+    }
+
+    /// Calls `f` with each member space and its member of `value`. A fault names the member.
+    pub(super) fn each<'a>(
+        &'a self,
+        value: &'a Value,
+        mut f: impl FnMut(&'a Space, &'a Value) -> Result<(), Fault>,
+    ) -> Result<(), Fault> {
+        let mut members = self.members(value)?.enumerate();
+        members.try_for_each(|(i, (space, member))| f(space, member).map_err(|fault| fault.at(i)))
+    }
+
+    /// The space whose members `f` makes of the members of this space.
+    pub(super) fn map(&self, f: impl FnMut(&Space) -> Result<Space>) -> Result<Self> {
+        let spaces = self.spaces.iter().map(f).collect::<Result<_>>()?;
+        Ok(Self { spaces })
+    }
+
+    /// The value whose members `f` makes of the member spaces.
+    pub(super) fn value(&self, f: impl FnMut(&Space) -> Result<Value>) -> Result<Value> {
+        self.spaces
+            .iter()
+            .map(f)
+            .collect::<Result<_>>()
+            .map(Value::Tuple)
     }
 
     /// Each member space with its member of `value`; `None` if the numbers of members differ.
@@ -74,23 +96,25 @@ impl TupleSpace {
         Ok(self.spaces.iter().zip(items))
     }
 
+    /// The items of `out`, which becomes a tuple with an item for each member.
+    pub(super) fn items_of<'a>(&self, out: &'a mut Value) -> &'a mut [Value] {
+        if !matches!(out, Value::Tuple(items) if items.len() == self.spaces.len()) {
+            *out = Value::Tuple(vec![Value::Null; self.spaces.len()]);
+        }
+        match out {
+            Value::Tuple(items) => items,
+            _ => unreachable!("`out` was just made a tuple"),
+        }
+    }
+
     pub(super) fn draw<T: Weight>(
         &self,
         streams: &mut Streams,
         selection: &Selection<T>,
         out: &mut Value,
     ) {
-        if !matches!(out, Value::Tuple(items) if items.len() == self.spaces.len()) {
-            *out = Value::Tuple(vec![Value::Null; self.spaces.len()]);
-        }
-        let Value::Tuple(items) = out else { return };
-        for (i, ((space, streams), out)) in self
-            .spaces
-            .iter()
-            .zip(&mut streams.members)
-            .zip(items)
-            .enumerate()
-        {
+        let spaces = self.spaces.iter().zip(&mut streams.members);
+        for (i, ((space, streams), out)) in spaces.zip(self.items_of(out)).enumerate() {
             space.draw(streams, selection.at(i), out);
         }
     }

@@ -34,20 +34,8 @@ impl Space {
                 Value::Text(std::iter::repeat_n(first, space.min_length()).collect())
             }
             Self::Mission(space) => space.corner(false),
-            Self::Tuple(space) => Value::Tuple(
-                space
-                    .spaces()
-                    .iter()
-                    .map(Self::zero)
-                    .collect::<Result<_>>()?,
-            ),
-            Self::Dict(space) => {
-                let entries = space
-                    .spaces()
-                    .iter()
-                    .map(|(key, space)| Ok((key.clone(), space.zero()?)));
-                Value::Dict(entries.collect::<Result<_>>()?)
-            }
+            Self::Tuple(space) => space.value(Self::zero)?,
+            Self::Dict(space) => space.value(Self::zero)?,
             Self::Sequence(space) if space.is_stacked() => {
                 space.feature_space().batch(0)?.zero()?
             }

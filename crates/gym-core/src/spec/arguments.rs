@@ -270,7 +270,7 @@ impl<T: ArgumentType, const N: usize> ArgumentType for [T; N] {
 /// the default of its type. A field has documentation, optionally a unit and the versions of the id
 /// that have it, and a default value. A field with `#[flatten]` is another such struct and
 /// contributes its arguments; its default value may be left out, and `#[flatten(name = 3..)]`
-/// changes the versions of one of them.
+/// changes the versions of one of them. `AsRef` and `AsMut` give the flattened struct.
 ///
 /// `const struct` also defines the constant `DEFAULT` with the default values.
 ///
@@ -348,6 +348,22 @@ macro_rules! arguments {
                 $($crate::arguments!(@number self, name, x, $field, [$(flatten $($($other),+)?)?]);)*
                 let _ = (name, x);
                 false
+            }
+        }
+
+        $($crate::arguments!(@as_ref $name, $field: $type, [$(flatten $($($other),+)?)?]);)*
+    };
+    (@as_ref $name:ident, $field:ident: $type:ty, []) => {};
+    (@as_ref $name:ident, $field:ident: $type:ty, [flatten $($other:ident),*]) => {
+        impl AsRef<$type> for $name {
+            fn as_ref(&self) -> &$type {
+                &self.$field
+            }
+        }
+
+        impl AsMut<$type> for $name {
+            fn as_mut(&mut self) -> &mut $type {
+                &mut self.$field
             }
         }
     };

@@ -177,12 +177,8 @@ impl<T: Into<Json>, const N: usize> From<[T; N]> for Each {
 }
 
 impl From<Range<f64>> for Each {
-    fn from(
-        Range {
-            start: low,
-            end: high,
-        }: Range<f64>,
-    ) -> Self {
+    fn from(range: Range<f64>) -> Self {
+        let (low, high) = (range.start, range.end);
         Self::Range { low, high }
     }
 }

@@ -54,6 +54,11 @@ impl Number {
         }
     }
 
+    /// The number as an `i64`, if it is whole and fits.
+    pub(crate) fn to_i64(self) -> Option<i64> {
+        i64::try_from(self.to_int()?).ok()
+    }
+
     /// The element of an array in row-major order.
     pub(crate) fn at(data: &Data, index: usize) -> Self {
         with_type!(numbers data, values => values[index].number())

@@ -5,7 +5,7 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 
 use serde::{Deserialize, Serialize};
 
-use super::{Autoreset, Columns, ObservationMode, Progress, size};
+use super::{Autoreset, Columns, ObservationMode, Progress, VectorSpec, size};
 use crate::env::{BoxEnv, Env, Inspect, Outcome};
 use crate::spaces::Space;
 use crate::spec::{EnvSpec, Reset};
@@ -423,8 +423,24 @@ pub(super) fn restore<E: Env>(
 }
 
 /// The least memory of a sub-environment.
-pub(crate) fn slot_bytes<E>(observation: &Space) -> usize {
+fn slot_bytes<E>(observation: &Space) -> usize {
     size_of::<Slot<E>>() + 2 * 8 * observation.len_of_row()
+}
+
+/// Makes the environments of a spec, if they fit in memory. `extra` is the memory of an
+/// environment that its type does not show, in bytes.
+pub(crate) fn make_envs<E: Env>(
+    spec: &VectorSpec,
+    extra: usize,
+    make: impl Fn(usize) -> Result<E>,
+) -> Result<Vec<E>> {
+    spec.check_each()?;
+    let first = make(0)?;
+    let observation = first.observation_space();
+    let bytes = slot_bytes::<E>(&observation) + extra;
+    size::check(spec.num_envs, &observation, &first.action_space(), bytes)?;
+    let others = (1..spec.num_envs).map(make);
+    std::iter::once(Ok(first)).chain(others).collect()
 }
 
 /// The sub-environments of a vector.

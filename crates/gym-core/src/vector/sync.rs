@@ -3,7 +3,7 @@ use std::fmt;
 
 use super::lockstep::{SlotGroup, is_cached, serve_all};
 use super::size;
-use super::slot::{self, Request, Slot, Spaces, describe, slot_bytes, slots};
+use super::slot::{self, Request, Slot, Spaces, describe, make_envs, slots};
 use super::{Autoreset, Columns, ObservationMode, VectorEnv, VectorKind, VectorReset, VectorSpec};
 use crate::drawing::render::{Metadata, Rendered};
 use crate::env::{BoxEnv, Env, EnvExt, Inspect};
@@ -81,14 +81,7 @@ impl<E: Env> SyncVectorEnv<E> {
     /// Those of `make`, and [`Error::InvalidArgument`](crate::Error::InvalidArgument) for a number
     /// of environments that does not fit in memory, or arguments of each that it does not support.
     pub fn native(spec: &VectorSpec, make: impl Fn(usize) -> Result<E>) -> Result<Self> {
-        spec.check_each()?;
-        let first = make(0)?;
-        let observation = first.observation_space();
-        let bytes = slot_bytes::<E>(&observation);
-        size::check(spec.num_envs, &observation, &first.action_space(), bytes)?;
-        let envs: Vec<E> = std::iter::once(Ok(first))
-            .chain((1..spec.num_envs).map(make))
-            .collect::<Result<_>>()?;
+        let envs = make_envs(spec, 0, make)?;
         let spec = VectorSpec {
             vectorization_mode: VectorKind::Native,
             ..spec.clone()

@@ -144,19 +144,20 @@ impl<E: Env> Render<E> {
     fn show(&mut self) {
         if let (Window::Open(screen, frame), Some(painter)) = (&mut self.window, &mut self.painter)
         {
-            let size = self.inner.metadata().render_size;
-            painter.paint(
-                size,
-                &mut |canvas: &mut dyn Canvas| self.inner.draw(canvas),
-                frame,
-            );
-            self.frames += 1;
-            self.inner.frames_drawn(self.frames);
+            paint(&mut self.inner, painter.as_mut(), &mut self.frames, frame);
             if !screen.show(frame) {
                 self.window = Window::None;
             }
         }
     }
+}
+
+/// Paints the picture of an environment, and counts it.
+fn paint<E: Env>(env: &mut E, painter: &mut dyn Painter, frames: &mut u64, frame: &mut Frame) {
+    let size = env.metadata().render_size;
+    painter.paint(size, &mut |canvas: &mut dyn Canvas| env.draw(canvas), frame);
+    *frames += 1;
+    env.frames_drawn(*frames);
 }
 
 impl<E: Env> crate::env::Wrapper for Render<E> {
@@ -212,14 +213,12 @@ impl<E: Env> crate::env::Wrapper for Render<E> {
             }
             _ => Frame::new(self.size.0, self.size.1)?,
         };
-        let size = self.inner.metadata().render_size;
-        painter.paint(
-            size,
-            &mut |canvas: &mut dyn Canvas| self.inner.draw(canvas),
+        paint(
+            &mut self.inner,
+            painter.as_mut(),
+            &mut self.frames,
             &mut frame,
         );
-        self.frames += 1;
-        self.inner.frames_drawn(self.frames);
         *rendered = match depth {
             Some(depth) => Rendered::Rgbd(frame, depth),
             None => Rendered::Frame(frame),

@@ -2,7 +2,7 @@
 
 use super::compile::MOST;
 use super::defaults::Classes;
-use super::orientation::{Orientation, unit, within};
+use super::orientation::{IDENTITY, Orientation, compose, unit, within};
 use super::spec::{Body, Camera, Frame, Geom, Inertial, Joint, Light, Site, Spec};
 use super::xml::Element;
 use crate::Result;
@@ -203,7 +203,7 @@ impl<'s> Bodies<'s> {
             euler,
             separator: element.text("sep").unwrap_or_default(),
             pos: [0.0; 3],
-            turn: [1.0, 0.0, 0.0, 0.0],
+            turn: IDENTITY,
             step,
             outer: (around.frame, around.suffix.clone()),
         };
@@ -235,7 +235,7 @@ impl<'s> Bodies<'s> {
         // the frame of the next copy: MuJoCo's `mjuu_frameaccum`
         let moved = rotate(&InTurn::quat_to_mat(copies.turn), copies.offset);
         copies.pos = add(copies.pos, moved);
-        copies.turn = super::orientation::compose(copies.turn, copies.step);
+        copies.turn = compose(copies.turn, copies.step);
         let digits = copies.count.to_string().len();
         let (separator, outer) = (&copies.separator, &copies.outer.1);
         open.suffix = format!("{separator}{number:0digits$}{outer}");

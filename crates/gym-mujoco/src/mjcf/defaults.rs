@@ -5,12 +5,13 @@ use super::spec::{
     ACTUATORS, Actuator, Camera, Equality, Geom, Joint, Light, Material, Pair, Site, Tendon,
 };
 use super::xml::Element;
-use crate::Result;
+use crate::{Result, Revision};
 
 /// The initial values of the elements of a class.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Class {
     name: String,
+    parent: Option<usize>,
     pub(super) joint: Joint,
     pub(super) geom: Geom,
     pub(super) site: Site,
@@ -40,26 +41,26 @@ impl Default for Classes {
 
 impl Classes {
     /// Reads a `default` section, which changes the classes for the elements after the section.
-    pub(super) fn read(&mut self, mut section: Element<'_, '_>) -> Result<()> {
+    pub(super) fn read(&mut self, mut section: Element<'_, '_>, revision: Revision) -> Result<()> {
         match section.text("class") {
             Some(name) if name != MAIN => Err(section.place().attribute(
                 "class",
                 format!("the outermost class is {MAIN:?}, not {name:?}"),
             )),
-            _ => self.read_classes(section),
+            _ => self.read_classes(section, revision),
         }
     }
 
     /// Reads the values of each class, then its subclasses, which inherit them. The function does
     /// not recurse, because deep nesting would overflow the stack.
-    fn read_classes(&mut self, main: Element<'_, '_>) -> Result<()> {
+    fn read_classes(&mut self, main: Element<'_, '_>, revision: Revision) -> Result<()> {
         let mut waiting = vec![(main, None)];
         while let Some((mut section, parent)) = waiting.pop() {
             let class = match parent {
                 None => 0,
                 Some(parent) => self.add(&mut section, parent)?,
             };
-            let within = self.read_class(section, class)?;
+            let within = self.read_class(section, class, revision)?;
             waiting.extend(within.into_iter().rev().map(|child| (child, Some(class))));
         }
         Ok(())
@@ -78,6 +79,7 @@ impl Classes {
         }
         self.0.push(Class {
             name,
+            parent: Some(parent),
             ..self.0[parent].clone()
         });
         Ok(self.0.len() - 1)
@@ -88,6 +90,7 @@ impl Classes {
         &mut self,
         section: Element<'a, 'input>,
         class: usize,
+        revision: Revision,
     ) -> Result<Vec<Element<'a, 'input>>> {
         let (within, own): (Vec<_>, Vec<_>) = section
             .children()?
@@ -107,7 +110,11 @@ impl Classes {
                 "tendon" => values.tendon.read(&mut child)?,
                 // only pictures show a mesh
                 "mesh" => child.ignore(&["scale", "maxhullvert", "inertia"]),
-                name if ACTUATORS.contains(&name) => values.actuator.read(&mut child)?,
+                name if ACTUATORS.contains(&name) => {
+                    let mut actuator = self.actuator(class, name, revision);
+                    actuator.read(&mut child)?;
+                    self.0[class].actuator = actuator;
+                }
                 _ => {
                     let mut known = vec!["joint", "geom", "site", "camera", "light", "material"];
                     known.extend(["pair", "equality", "tendon", "mesh", "default"]);
@@ -142,6 +149,25 @@ impl Classes {
                 );
                 element.place().attribute(attribute, reason)
             })
+    }
+
+    /// The initial values of the actuator element `kind` of a class. In 4.0, its parameters are those
+    /// of the nearest class, from this one outwards, that was set by an element of the same kind or
+    /// by a fitting `general`; in 3.12 an element takes the parameters of every other kind.
+    pub(super) fn actuator(&self, class: usize, kind: &str, revision: Revision) -> Actuator {
+        let mut actuator = self.0[class].actuator.clone();
+        if revision == Revision::V4_0 && kind != "general" {
+            let outwards = std::iter::successors(Some(class), |&class| self.0[class].parent);
+            let mut classes = outwards.map(|class| &self.0[class].actuator);
+            let fitting = classes.find(|actuator| actuator.fits(kind));
+            actuator.take(kind, fitting.unwrap_or(&Actuator::default()));
+        }
+        actuator
+    }
+
+    /// The class that the attribute `class` names; without it, the first.
+    pub(super) fn of(&self, element: &mut Element<'_, '_>) -> Result<&Class> {
+        Ok(&self.0[self.named(element, "class", 0)?])
     }
 
     /// A class by its number.

@@ -3,12 +3,11 @@
 
 use serde_json::{Map, Value, json};
 
+use super::orientation::IDENTITY;
 use crate::model::bounds::bounding_box;
 use crate::model::{JointType, Parameters, body_sizes, same, same_quat};
 use crate::physics::{com_pos, kinematics};
 use crate::{CompiledModel, Data, Model};
-
-const UNTURNED: [f64; 4] = [1.0, 0.0, 0.0, 0.0];
 
 impl Model {
     /// The fields of [`CompiledModel`] under MuJoCo's names, and further fields of `mjModel` that
@@ -22,19 +21,15 @@ impl Model {
         add_all(&mut figures, sizes(self));
         add_all(&mut figures, derived(self));
         add_all(&mut figures, constant(self));
-        let more = json!({
-            "ccd_iterations": 35, "ccd_tolerance": 1e-6,
-        });
+        let more = json!({"ccd_iterations": 35, "ccd_tolerance": 1e-6});
         if let Some(Value::Object(opt)) = figures.get_mut("opt") {
             add_all(opt, more);
         }
         // MuJoCo stores bit masks as signed numbers
-        for name in ["geom_contype", "geom_conaffinity"] {
-            let bits = if name == "geom_contype" {
-                &self.geom_contype
-            } else {
-                &self.geom_conaffinity
-            };
+        for (name, bits) in [
+            ("geom_contype", &self.geom_contype),
+            ("geom_conaffinity", &self.geom_conaffinity),
+        ] {
             figures.insert(name.into(), bits.iter().map(|bits| *bits as i32).collect());
         }
         figures
@@ -70,7 +65,7 @@ fn sizes(m: &CompiledModel) -> Value {
 /// MuJoCo's `mjtSameFrame`: 1 if a geom's frame equals the body's, 2 its inertial frame; 3 and 4 if
 /// only the orientations are equal.
 fn same_frame(m: &CompiledModel, body: usize, pos: [f64; 3], quat: [f64; 4]) -> u8 {
-    let (own_pos, own_quat) = (same(&pos, &[0.0; 3]), same_quat(&quat, &UNTURNED));
+    let (own_pos, own_quat) = (same(&pos, &[0.0; 3]), same_quat(&quat, &IDENTITY));
     let inertia_quat = same_quat(&quat, &m.body_iquat[body]);
     match (own_pos, own_quat) {
         (true, true) => 1,
@@ -82,15 +77,12 @@ fn same_frame(m: &CompiledModel, body: usize, pos: [f64; 3], quat: [f64; 4]) -> 
 }
 
 fn derived(m: &Model) -> Value {
-    let geoms = |b: usize| {
-        let first = usize::try_from(m.body_geomadr[b]).unwrap_or(0);
-        first..first + m.body_geomnum[b]
-    };
     let bodies = 0..m.nbody();
-    let any = |bits: &[u32], b: usize| bits[geoms(b)].iter().fold(0, |all, one| all | one) as i32;
+    let any =
+        |bits: &[u32], b: usize| bits[m.geoms_of(b)].iter().fold(0, |all, one| all | one) as i32;
     let body_frames: Vec<u8> = bodies
         .clone()
-        .map(|b| match same_quat(&m.body_iquat[b], &UNTURNED) {
+        .map(|b| match same_quat(&m.body_iquat[b], &IDENTITY) {
             false => 0,
             true if same(&m.body_ipos[b], &[0.0; 3]) => 1,
             true => 3,
@@ -113,7 +105,7 @@ fn derived(m: &Model) -> Value {
         "body_sameframe": body_frames,
         "body_contype": bodies.clone().map(|b| any(&m.geom_contype, b)).collect::<Vec<_>>(),
         "body_conaffinity": bodies.clone().map(|b| any(&m.geom_conaffinity, b)).collect::<Vec<_>>(),
-        "body_margin": bodies.map(|b| geoms(b).map(|g| m.geom_margin[g] + m.geom_gap[g]).fold(0.0, f64::max)).collect::<Vec<_>>(),
+        "body_margin": bodies.map(|b| m.geoms_of(b).map(|g| m.geom_margin[g] + m.geom_gap[g]).fold(0.0, f64::max)).collect::<Vec<_>>(),
         "geom_sameframe": (0..m.ngeom()).map(|g| same_frame(m, m.geom_bodyid[g], m.geom_pos[g], m.geom_quat[g])).collect::<Vec<_>>(),
         "geom_aabb": (0..m.ngeom()).map(|g| bounding_box(m.geom_type[g], m.geom_size[g]).concat()).collect::<Vec<_>>(),
         "dof_length": (0..m.nv()).map(dof_length).collect::<Vec<_>>(),

@@ -2,7 +2,7 @@
 
 use std::f64::consts::PI;
 
-use super::orientation::{compose, unit};
+use super::orientation::{IDENTITY, compose, unit};
 use crate::Revision;
 use crate::libm;
 use crate::model::GeomType;
@@ -208,7 +208,7 @@ pub(super) fn principal_axes(
         // a number equal to the limit counts as small
         Revision::V4_0 => ((REST * largest).next_up(), EIG_EPS * largest),
     };
-    let mut quat = [1.0, 0.0, 0.0, 0.0];
+    let mut quat = IDENTITY;
     let mut moments = [0.0; 3];
     for _ in 0..MAX_ITERATIONS {
         let d = in_axes(&full, &InTurn::quat_to_mat(quat));

@@ -86,8 +86,7 @@ impl Model {
     }
 
     fn from_texts(texts: &files::Texts, revision: Revision) -> Result<Self> {
-        let mut spec = reader::read(&texts.parse()?)?;
-        spec.revision = revision;
+        let spec = reader::read(&texts.parse()?, revision)?;
         let compiled = compile::compile(&spec)?;
         compile::finish(compiled, &spec).map_err(|error| spec.located(error))
     }

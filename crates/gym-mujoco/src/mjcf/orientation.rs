@@ -2,10 +2,13 @@
 
 use super::spec::{Compiler, Frame};
 use super::xml::Element;
-use crate::physics::spatial::{EPS, InTurn, Order, Quat, add, axis_angle, cross, rotate};
+use crate::physics::spatial::{
+    EPS, InTurn, Order, Quat, add, axis_angle, cross, rotate, rotate_quat,
+};
 use crate::{Result, libm};
 
-const IDENTITY: Quat = [1.0, 0.0, 0.0, 0.0];
+/// The orientation of a frame that is not turned.
+pub(crate) const IDENTITY: Quat = [1.0, 0.0, 0.0, 0.0];
 
 /// An orientation as the text gives it. Other forms take precedence over `quat`, even if a default
 /// class gives them.
@@ -148,6 +151,14 @@ pub(super) fn within(frame: Option<Frame>, (pos, quat): Frame) -> Frame {
     };
     let moved = add(origin, rotate(&InTurn::quat_to_mat(turn), pos));
     (moved, compose(turn, quat))
+}
+
+/// Turns a direction from `frame` to its body's frame.
+pub(super) fn turned(frame: Option<Frame>, direction: [f64; 3]) -> [f64; 3] {
+    match frame {
+        Some((_, quat)) if quat != IDENTITY => rotate_quat(direction, quat),
+        _ => direction,
+    }
 }
 
 /// The rotation `b` followed by `a`, where `b` is given in the frame of `a`: MuJoCo's

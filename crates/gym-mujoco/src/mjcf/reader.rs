@@ -4,12 +4,12 @@ use super::bodies::Bodies;
 use super::defaults::Classes;
 use super::files::Files;
 use super::spec::{
-    ACTUATORS, Actuator, Body, EQUALITIES, Equality, Exclude, Key, Material, Pair, Sensor, Spec,
-    Tendon,
+    ACTUATORS, Body, EQUALITIES, Equality, Exclude, Key, Material, Pair, Sensor, Spec, Tendon,
+    replace,
 };
 use super::xml::Element;
-use crate::Result;
 use crate::model::{Cone, Disable, Integrator, SensorType, Solver};
+use crate::{Result, Revision};
 
 const SECTIONS: [&str; 15] = [
     "compiler",
@@ -30,13 +30,14 @@ const SECTIONS: [&str; 15] = [
 ];
 
 /// Reads a model. Sections may come in any order and repeat.
-pub(super) fn read(files: &Files<'_>) -> Result<Spec> {
+pub(super) fn read(files: &Files<'_>, revision: Revision) -> Result<Spec> {
     let mut root = Element::root(files);
     if root.name() != "mujoco" {
         return Err(root.error("not supported: the outermost element is <mujoco>"));
     }
     let mut spec = Spec {
         name: root.text("model").unwrap_or_default(),
+        revision,
         ..Spec::default()
     };
     let mut reader = Reader {
@@ -72,7 +73,7 @@ impl Reader<'_> {
             .into_iter()
             .filter(|section| section.name() == "default")
         {
-            self.classes.read(section)?;
+            self.classes.read(section, self.spec.revision)?;
         }
         let place = root.place();
         self.spec.bodies.push(Body {
@@ -99,78 +100,51 @@ impl Reader<'_> {
     fn read_option(&mut self, mut element: Element<'_, '_>) -> Result<()> {
         let place = element.place();
         let option = &mut self.spec.option;
-        if let Some(timestep) = element.number("timestep")? {
-            if timestep <= 0.0 {
-                return Err(place.attribute("timestep", "must be positive"));
-            }
-            option.timestep = timestep;
-        }
-        if let Some(gravity) = element.numbers("gravity")? {
-            option.gravity = gravity;
-        }
-        if let Some(wind) = element.numbers("wind")? {
-            option.wind = wind;
-        }
-        if let Some(density) = element.non_negative("density")? {
-            option.density = density;
-        }
-        if let Some(viscosity) = element.non_negative("viscosity")? {
-            option.viscosity = viscosity;
-        }
+        replace(&mut option.timestep, element.positive("timestep")?);
+        replace(&mut option.gravity, element.numbers("gravity")?);
+        replace(&mut option.wind, element.numbers("wind")?);
+        replace(&mut option.density, element.non_negative("density")?);
+        replace(&mut option.viscosity, element.non_negative("viscosity")?);
         let integrators = [
             ("Euler", Integrator::Euler),
             ("RK4", Integrator::RK4),
             ("implicit", Integrator::Implicit),
             ("implicitfast", Integrator::ImplicitFast),
         ];
-        if let Some(integrator) = element.keyword("integrator", &integrators)? {
-            option.integrator = integrator;
-        }
-        if let Some(solver) = element.keyword(
-            "solver",
-            &[
-                ("Newton", Solver::Newton),
-                ("PGS", Solver::PGS),
-                ("CG", Solver::CG),
-            ],
-        )? {
-            option.solver = solver;
-        }
-        if let Some(iterations) = element.integer("iterations")? {
-            option.iterations = iterations;
-        }
-        if let Some(iterations) = element.integer("ls_iterations")? {
-            option.ls_iterations = iterations;
-        }
-        if let Some(tolerance) = element.non_negative("tolerance")? {
-            option.tolerance = tolerance;
-        }
-        if let Some(tolerance) = element.non_negative("ls_tolerance")? {
-            option.ls_tolerance = tolerance;
-        }
+        let integrator = element.keyword("integrator", &integrators)?;
+        replace(&mut option.integrator, integrator);
+        let solvers = [
+            ("Newton", Solver::Newton),
+            ("PGS", Solver::PGS),
+            ("CG", Solver::CG),
+        ];
+        replace(&mut option.solver, element.keyword("solver", &solvers)?);
+        replace(&mut option.iterations, element.integer("iterations")?);
+        replace(&mut option.ls_iterations, element.integer("ls_iterations")?);
+        replace(&mut option.tolerance, element.non_negative("tolerance")?);
+        replace(
+            &mut option.ls_tolerance,
+            element.non_negative("ls_tolerance")?,
+        );
         let cones = [("pyramidal", Cone::Pyramidal), ("elliptic", Cone::Elliptic)];
-        if let Some(cone) = element.keyword("cone", &cones)? {
-            option.cone = cone;
-        }
+        replace(&mut option.cone, element.keyword("cone", &cones)?);
         // `jacobian` selects the storage of the Jacobian in MuJoCo. The results do not depend on
         // it.
-        if let Some(jacobian) =
-            element.keyword("jacobian", &[("dense", 0), ("sparse", 1), ("auto", 2)])?
-        {
-            option.jacobian = jacobian;
-        }
-        if let Some(ratio) = element.positive("impratio")? {
-            option.impratio = ratio;
-        }
-        if let Some(iterations) = element.integer("noslip_iterations")? {
-            option.noslip_iterations = iterations;
-        }
-        if let Some(tolerance) = element.non_negative("noslip_tolerance")? {
-            option.noslip_tolerance = tolerance;
-        }
-        if let Some(magnetic) = element.numbers("magnetic")? {
-            option.magnetic = magnetic;
-        }
+        let jacobians = [("dense", 0), ("sparse", 1), ("auto", 2)];
+        replace(
+            &mut option.jacobian,
+            element.keyword("jacobian", &jacobians)?,
+        );
+        replace(&mut option.impratio, element.positive("impratio")?);
+        replace(
+            &mut option.noslip_iterations,
+            element.integer("noslip_iterations")?,
+        );
+        replace(
+            &mut option.noslip_tolerance,
+            element.non_negative("noslip_tolerance")?,
+        );
+        replace(&mut option.magnetic, element.numbers("magnetic")?);
         if let Some(groups) = element.list("actuatorgroupdisable")? {
             for group in groups {
                 if !(0.0..31.0).contains(&group) {
@@ -269,11 +243,7 @@ impl Reader<'_> {
             ("meansize", &mut statistic.meansize),
             ("extent", &mut statistic.extent),
         ] {
-            let number = element.number(name)?;
-            if number.is_some_and(|x| x <= 0.0) {
-                return Err(element.place().attribute(name, "must be positive"));
-            }
-            *value = number.or(*value);
+            *value = element.positive(name)?.or(*value);
         }
         statistic.center = element.numbers("center")?.or(statistic.center);
         Ok(())
@@ -285,10 +255,10 @@ impl Reader<'_> {
         for mut child in section.children()? {
             match child.name() {
                 "material" => {
-                    let class = self.classes.named(&mut child, "class", 0)?;
+                    let class = self.classes.of(&mut child)?;
                     let mut material = Material {
                         name: child.required_text("name")?,
-                        ..self.classes.get(class).material.clone()
+                        ..class.material.clone()
                     };
                     material.read(&mut child)?;
                     self.spec.materials.push(material);
@@ -309,10 +279,10 @@ impl Reader<'_> {
             match child.name() {
                 "exclude" => self.spec.excludes.push(Exclude::read(child)?),
                 "pair" => {
-                    let class = self.classes.named(&mut child, "class", 0)?;
+                    let class = self.classes.of(&mut child)?;
                     let mut pair = Pair {
                         name: child.text("name"),
-                        ..self.classes.get(class).pair.clone()
+                        ..class.pair.clone()
                     };
                     pair.read(&mut child)?;
                     child.finish_without_children()?;
@@ -331,10 +301,10 @@ impl Reader<'_> {
             else {
                 return Err(section.unsupported(&child, &kinds));
             };
-            let class = self.classes.named(&mut child, "class", 0)?;
+            let class = self.classes.of(&mut child)?;
             let mut equality = Equality {
                 name: child.text("name"),
-                ..self.classes.get(class).equality.clone()
+                ..class.equality.clone()
             };
             equality.read(&mut child, *kind, *names)?;
             child.finish_without_children()?;
@@ -348,10 +318,10 @@ impl Reader<'_> {
             if !["fixed", "spatial"].contains(&child.name()) {
                 return Err(section.unsupported(&child, &["fixed", "spatial"]));
             }
-            let class = self.classes.named(&mut child, "class", 0)?;
+            let class = self.classes.of(&mut child)?;
             let mut tendon = Tendon {
                 name: child.text("name"),
-                ..self.classes.get(class).tendon.clone()
+                ..class.tendon.clone()
             };
             tendon.read(&mut child)?;
             tendon.read_path(&child)?;
@@ -367,10 +337,9 @@ impl Reader<'_> {
                 return Err(section.unsupported(&child, &ACTUATORS));
             }
             let class = self.classes.named(&mut child, "class", 0)?;
-            let mut actuator = Actuator {
-                name: child.text("name"),
-                ..self.classes.get(class).actuator.clone()
-            };
+            let revision = self.spec.revision;
+            let mut actuator = self.classes.actuator(class, child.name(), revision);
+            actuator.name = child.text("name");
             actuator.read(&mut child)?;
             child.finish_without_children()?;
             self.spec.actuators.push(actuator);

@@ -210,11 +210,6 @@ impl<'a, 'input> Element<'a, 'input> {
         Some(self.unread.swap_remove(index))
     }
 
-    /// Whether the attribute `name` is given and not yet read.
-    pub(super) fn has(&self, name: &str) -> bool {
-        self.unread.iter().any(|attribute| attribute.name() == name)
-    }
-
     /// Skips attributes without effect.
     pub(super) fn ignore(&mut self, names: &[&'static str]) {
         for name in names {

@@ -5,19 +5,12 @@ use super::{
     TransmissionType, WrapType,
 };
 
-fn scalar(m: &CompiledModel, joint: i32) -> bool {
-    matches!(
-        m.jnt_type[joint as usize],
-        JointType::Slide | JointType::Hinge
-    )
-}
-
 /// Whether all actuators are motors on slides and hinges whose force equals the control, without
 /// ranges of force, joint or group.
 pub(super) fn motors(m: &CompiledModel) -> bool {
     let plain = |i: usize| {
         m.actuator_trntype[i] == TransmissionType::Joint
-            && scalar(m, m.actuator_trnid[i][0])
+            && m.jnt_type[m.actuator_trnid[i][0] as usize].is_scalar()
             && m.actuator_dyntype[i] == DynamicsType::None
             && m.actuator_gaintype[i] == GainType::Fixed
             && m.actuator_gainprm[i].0[0] == 1.0
@@ -37,7 +30,7 @@ pub(super) fn motors(m: &CompiledModel) -> bool {
 fn straight(m: &CompiledModel, i: usize) -> bool {
     let id = m.actuator_trnid[i][0];
     let moved = match m.actuator_trntype[i] {
-        TransmissionType::Joint => scalar(m, id),
+        TransmissionType::Joint => m.jnt_type[id as usize].is_scalar(),
         TransmissionType::Tendon => {
             let parts = m.tendon_adr[id as usize]..;
             let mut joints: Vec<i32> = parts

@@ -200,7 +200,7 @@ fn joints(m: &CompiledModel) -> Result<()> {
             let parent = if i > m.body_dofadr[body].max(0) as usize {
                 i as i32 - 1
             } else {
-                last_dof(m, m.body_parentid[body])
+                m.last_dof(m.body_parentid[body])
             };
             ensure!(
                 m.dof_parentid[i] == parent,
@@ -230,7 +230,7 @@ fn joints(m: &CompiledModel) -> Result<()> {
         "qpos0 or the dofs do not fit the joints"
     );
     for b in 0..m.nbody() {
-        let dof = last_dof(m, b);
+        let dof = m.last_dof(b);
         let tree = usize::try_from(dof).map_or(-1, |dof| m.dof_treeid[dof] as i32);
         ensure!(
             m.body_treeid[b] == tree,
@@ -246,19 +246,6 @@ fn joints(m: &CompiledModel) -> Result<()> {
         );
     }
     Ok(())
-}
-
-/// The last degree of freedom of a body, or of its nearest ancestor that has one; -1 if there is
-/// none.
-fn last_dof(m: &CompiledModel, mut body: usize) -> i32 {
-    while body > 0 && m.body_dofnum[body] == 0 {
-        body = m.body_parentid[body];
-    }
-    if m.body_dofnum[body] == 0 {
-        -1
-    } else {
-        m.body_dofadr[body] + m.body_dofnum[body] as i32 - 1
-    }
 }
 
 fn owns(address: Option<&i32>, number: Option<&usize>, element: usize) -> bool {

@@ -14,12 +14,13 @@ pub struct Parameters(pub [f64; 10]);
 
 impl From<Vec<f64>> for Parameters {
     fn from(numbers: Vec<f64>) -> Self {
-        let mut all = Self::default();
-        for (to, from) in all.0.iter_mut().zip(numbers) {
-            *to = from;
-        }
-        all
+        Self(padded(&numbers))
     }
+}
+
+/// The first `N` numbers of a list; zeros after its end.
+fn padded<const N: usize>(numbers: &[f64]) -> [f64; N] {
+    std::array::from_fn(|k| numbers.get(k).copied().unwrap_or(0.0))
 }
 
 /// Fluid coefficients of a geom: 1 for the ellipsoid model (else 0), five coefficients, virtual
@@ -38,28 +39,22 @@ enum Numbers {
 
 impl From<Numbers> for Fluid {
     fn from(numbers: Numbers) -> Self {
-        let numbers = match numbers {
-            Numbers::One(number) => vec![number],
-            Numbers::Several(numbers) => numbers,
-        };
-        let mut all = Self::default();
-        for (to, from) in all.0.iter_mut().zip(numbers) {
-            *to = from;
-        }
-        all
+        Self(match numbers {
+            Numbers::One(number) => padded(&[number]),
+            Numbers::Several(numbers) => padded(&numbers),
+        })
     }
 }
 
-const SOLREF: [f64; 2] = [0.02, 1.0];
-const SOLIMP: [f64; 5] = [0.9, 0.95, 0.001, 0.5, 2.0];
+/// The default reference of constraints: time constant, damping ratio.
+pub(crate) const SOLREF: [f64; 2] = [0.02, 1.0];
+/// The default impedance of constraints: dmin, dmax, width, midpoint, power.
+pub(crate) const SOLIMP: [f64; 5] = [0.9, 0.95, 0.001, 0.5, 2.0];
 
-/// Fills each empty array with `length` copies of `value`.
-fn fill<T: Clone, const N: usize>(length: usize, value: T, arrays: [&mut Vec<T>; N]) {
-    let value = vec![value; length];
-    for array in arrays {
-        if array.is_empty() {
-            array.clone_from(&value);
-        }
+/// Fills an empty array with `length` copies of `value`.
+fn fill<T: Clone>(length: usize, value: T, array: &mut Vec<T>) {
+    if array.is_empty() {
+        *array = vec![value; length];
     }
 }
 
@@ -70,97 +65,53 @@ impl CompiledModel {
         let (nbody, njnt, nv, ngeom) = (self.nbody(), self.njnt(), self.nv(), self.ngeom());
         let (nu, ntendon, nkey) = (self.nu(), self.ntendon(), self.key_time.len());
         let (nwrap, neq) = (self.wrap_objid.len(), self.neq());
-        fill(nbody, -1, [&mut self.body_mocapid]);
-        fill(nbody, 0.0, [&mut self.body_gravcomp]);
-        fill(
-            njnt,
-            false,
-            [&mut self.jnt_actfrclimited, &mut self.jnt_actgravcomp],
-        );
-        fill(njnt, [0.0; 2], [&mut self.jnt_actfrcrange]);
-        fill(nv, 0.0, [&mut self.dof_frictionloss]);
-        fill(nv, SOLREF, [&mut self.dof_solref]);
-        fill(nv, SOLIMP, [&mut self.dof_solimp]);
-        fill(ngeom, Fluid::default(), [&mut self.geom_fluid]);
-        fill(nu, TransmissionType::Joint, [&mut self.actuator_trntype]);
-        fill(nu, DynamicsType::None, [&mut self.actuator_dyntype]);
-        fill(nu, GainType::Fixed, [&mut self.actuator_gaintype]);
-        fill(nu, BiasType::None, [&mut self.actuator_biastype]);
+        fill(nbody, -1, &mut self.body_mocapid);
+        fill(nbody, 0.0, &mut self.body_gravcomp);
+        fill(njnt, false, &mut self.jnt_actfrclimited);
+        fill(njnt, false, &mut self.jnt_actgravcomp);
+        fill(njnt, [0.0; 2], &mut self.jnt_actfrcrange);
+        fill(nv, 0.0, &mut self.dof_frictionloss);
+        fill(nv, SOLREF, &mut self.dof_solref);
+        fill(nv, SOLIMP, &mut self.dof_solimp);
+        fill(ngeom, Fluid::default(), &mut self.geom_fluid);
+        fill(nu, TransmissionType::Joint, &mut self.actuator_trntype);
+        fill(nu, DynamicsType::None, &mut self.actuator_dyntype);
+        fill(nu, GainType::Fixed, &mut self.actuator_gaintype);
+        fill(nu, BiasType::None, &mut self.actuator_biastype);
         let mut one = Parameters::default();
         one.0[0] = 1.0;
-        fill(
-            nu,
-            one,
-            [&mut self.actuator_dynprm, &mut self.actuator_gainprm],
-        );
-        fill(nu, Parameters::default(), [&mut self.actuator_biasprm]);
-        fill(
-            nu,
-            false,
-            [
-                &mut self.actuator_forcelimited,
-                &mut self.actuator_actlimited,
-                &mut self.actuator_actearly,
-            ],
-        );
-        fill(
-            nu,
-            [0.0; 2],
-            [
-                &mut self.actuator_forcerange,
-                &mut self.actuator_actrange,
-                &mut self.actuator_lengthrange,
-            ],
-        );
-        fill(nu, -1, [&mut self.actuator_actadr]);
-        fill(nu, 0, [&mut self.actuator_group]);
-        fill(
-            nu,
-            0.0,
-            [&mut self.actuator_length0, &mut self.actuator_acc0],
-        );
-        fill(
-            ntendon,
-            false,
-            [&mut self.tendon_limited, &mut self.tendon_actfrclimited],
-        );
-        fill(
-            ntendon,
-            [0.0; 2],
-            [
-                &mut self.tendon_range,
-                &mut self.tendon_actfrcrange,
-                &mut self.tendon_lengthspring,
-            ],
-        );
-        fill(
-            ntendon,
-            0.0,
-            [
-                &mut self.tendon_margin,
-                &mut self.tendon_stiffness,
-                &mut self.tendon_damping,
-                &mut self.tendon_frictionloss,
-                &mut self.tendon_length0,
-                &mut self.tendon_invweight0,
-            ],
-        );
-        fill(
-            ntendon,
-            SOLREF,
-            [&mut self.tendon_solref_lim, &mut self.tendon_solref_fri],
-        );
-        fill(
-            ntendon,
-            SOLIMP,
-            [&mut self.tendon_solimp_lim, &mut self.tendon_solimp_fri],
-        );
-        fill(nwrap, WrapType::Joint, [&mut self.wrap_type]);
-        fill(neq, ObjectType::Body, [&mut self.eq_objtype]);
-        fill(
-            nkey,
-            Vec::new(),
-            [&mut self.key_act, &mut self.key_mpos, &mut self.key_mquat],
-        );
+        fill(nu, one, &mut self.actuator_dynprm);
+        fill(nu, one, &mut self.actuator_gainprm);
+        fill(nu, Parameters::default(), &mut self.actuator_biasprm);
+        fill(nu, false, &mut self.actuator_forcelimited);
+        fill(nu, false, &mut self.actuator_actlimited);
+        fill(nu, false, &mut self.actuator_actearly);
+        fill(nu, [0.0; 2], &mut self.actuator_forcerange);
+        fill(nu, [0.0; 2], &mut self.actuator_actrange);
+        fill(nu, [0.0; 2], &mut self.actuator_lengthrange);
+        fill(nu, -1, &mut self.actuator_actadr);
+        fill(nu, 0, &mut self.actuator_group);
+        fill(nu, 0.0, &mut self.actuator_length0);
+        fill(nu, 0.0, &mut self.actuator_acc0);
+        fill(ntendon, false, &mut self.tendon_limited);
+        fill(ntendon, false, &mut self.tendon_actfrclimited);
+        fill(ntendon, [0.0; 2], &mut self.tendon_range);
+        fill(ntendon, [0.0; 2], &mut self.tendon_actfrcrange);
+        fill(ntendon, [0.0; 2], &mut self.tendon_lengthspring);
+        fill(ntendon, 0.0, &mut self.tendon_margin);
+        fill(ntendon, 0.0, &mut self.tendon_stiffness);
+        fill(ntendon, 0.0, &mut self.tendon_damping);
+        fill(ntendon, 0.0, &mut self.tendon_frictionloss);
+        fill(ntendon, 0.0, &mut self.tendon_length0);
+        fill(ntendon, 0.0, &mut self.tendon_invweight0);
+        fill(ntendon, SOLREF, &mut self.tendon_solref_lim);
+        fill(ntendon, SOLREF, &mut self.tendon_solref_fri);
+        fill(ntendon, SOLIMP, &mut self.tendon_solimp_lim);
+        fill(ntendon, SOLIMP, &mut self.tendon_solimp_fri);
+        fill(nwrap, WrapType::Joint, &mut self.wrap_type);
+        fill(neq, ObjectType::Body, &mut self.eq_objtype);
+        fill(nkey, Vec::new(), &mut self.key_act);
+        fill(nkey, Vec::new(), &mut self.key_mpos);
+        fill(nkey, Vec::new(), &mut self.key_mquat);
     }
 }

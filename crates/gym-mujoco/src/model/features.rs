@@ -1,8 +1,8 @@
 //! Checks references between objects, and refuses features that the engine does not support.
 
 use super::{
-    CompiledModel, DynamicsType, EqualityType, GeomType, JointType, ObjectType, SensorType,
-    TransmissionType, WrapType,
+    CompiledModel, DynamicsType, EqualityType, GeomType, ObjectType, SensorType, TransmissionType,
+    WrapType,
 };
 use crate::Result;
 
@@ -44,7 +44,7 @@ fn exists(m: &CompiledModel, kind: ObjectType, id: i32) -> bool {
 /// Whether a joint is a slide or a hinge.
 fn scalar(m: &CompiledModel, id: i32) -> bool {
     let kind = usize::try_from(id).ok().and_then(|id| m.jnt_type.get(id));
-    matches!(kind, Some(JointType::Slide | JointType::Hinge))
+    kind.is_some_and(|kind| kind.is_scalar())
 }
 
 fn actuators(m: &CompiledModel) -> Result<()> {

@@ -35,6 +35,8 @@ macro_rules! numbered {
     };
 }
 
+pub(super) use numbered;
+
 numbered! {
     /// The kinds of joint: MuJoCo's `mjtJoint`.
     JointType, "joint type" {
@@ -216,6 +218,12 @@ numbered! {
 }
 
 impl JointType {
+    /// Whether a joint of this type has one position and one velocity: a slide or a hinge.
+    #[must_use]
+    pub fn is_scalar(self) -> bool {
+        matches!(self, Self::Slide | Self::Hinge)
+    }
+
     /// The number of positions of a joint of this type.
     #[must_use]
     pub fn nq(self) -> usize {
@@ -246,174 +254,5 @@ impl EqualityType {
             Self::Weld => 6,
             Self::Joint | Self::Tendon => 1,
         }
-    }
-}
-
-/// Declares the sensors: name in MJCF, variant, MuJoCo's number, object, number of values, and the
-/// stage after which they can be computed.
-macro_rules! sensors {
-    ($($(#[$doc:meta])* $name:literal $variant:ident = $number:literal, $object:ident, $dim:literal, $stage:ident;)+) => {
-        numbered! {
-            /// The kinds of sensor: MuJoCo's `mjtSensor`.
-            SensorType, "sensor type" {
-                $($(#[$doc])* $variant = $number,)+
-            }
-        }
-
-        impl SensorType {
-            /// All types, with their names in MJCF.
-            pub(crate) const ALL: &[(&str, Self)] = &[$(($name, Self::$variant),)+];
-
-            /// The kind of object that the sensor measures.
-            pub(crate) fn about(self) -> About {
-                match self {
-                    $(Self::$variant => About::$object,)+
-                }
-            }
-
-            /// The number of values.
-            #[must_use]
-            pub fn dim(self) -> usize {
-                match self {
-                    $(Self::$variant => $dim,)+
-                }
-            }
-
-            /// The stage after which the sensor can be computed.
-            pub(crate) fn stage(self) -> Stage {
-                match self {
-                    $(Self::$variant => Stage::$stage,)+
-                }
-            }
-        }
-    };
-}
-
-/// The kind of object that a sensor measures.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum About {
-    Nothing,
-    Site,
-    Joint,
-    Ball,
-    Tendon,
-    Actuator,
-    Body,
-    /// A body, geom, site or camera.
-    Frame,
-    /// A body, geom, site or camera, optionally in the frame of another.
-    Relative,
-}
-
-/// A stage of a forward call.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Stage {
-    Position,
-    Velocity,
-    Acceleration,
-}
-
-sensors! {
-    /// Sum of the normal forces of contacts within a site.
-    "touch" Touch = 0, Site, 1, Acceleration;
-    /// Acceleration of a site, with gravity, in its frame.
-    "accelerometer" Accelerometer = 1, Site, 3, Acceleration;
-    /// Velocity of a site, in its frame.
-    "velocimeter" Velocimeter = 2, Site, 3, Velocity;
-    /// Angular velocity of a site, in its frame.
-    "gyro" Gyro = 3, Site, 3, Velocity;
-    /// Force between a site's body and its parent, in the site's frame.
-    "force" Force = 4, Site, 3, Acceleration;
-    /// Torque between a site's body and its parent, in the site's frame.
-    "torque" Torque = 5, Site, 3, Acceleration;
-    /// The magnetic field in a site's frame.
-    "magnetometer" Magnetometer = 6, Site, 3, Position;
-    /// Distance from a site along its z axis to the nearest geom; -1 if there is none.
-    "rangefinder" Rangefinder = 7, Site, 1, Position;
-    /// Position of a slide or hinge.
-    "jointpos" JointPos = 9, Joint, 1, Position;
-    /// Velocity of a slide or hinge.
-    "jointvel" JointVel = 10, Joint, 1, Velocity;
-    /// Length of a tendon.
-    "tendonpos" TendonPos = 11, Tendon, 1, Position;
-    /// Velocity of a tendon.
-    "tendonvel" TendonVel = 12, Tendon, 1, Velocity;
-    /// Length of an actuator.
-    "actuatorpos" ActuatorPos = 13, Actuator, 1, Position;
-    /// Velocity of an actuator.
-    "actuatorvel" ActuatorVel = 14, Actuator, 1, Velocity;
-    /// Force of an actuator.
-    "actuatorfrc" ActuatorFrc = 15, Actuator, 1, Acceleration;
-    /// Force of all actuators on a slide or hinge.
-    "jointactuatorfrc" JointActFrc = 16, Joint, 1, Acceleration;
-    /// Force of all actuators on a tendon.
-    "tendonactuatorfrc" TendonActFrc = 17, Tendon, 1, Acceleration;
-    /// Quaternion of a ball joint.
-    "ballquat" BallQuat = 18, Ball, 4, Position;
-    /// Angular velocity of a ball joint.
-    "ballangvel" BallAngVel = 19, Ball, 3, Velocity;
-    /// Distance of a joint to its limit, if the limit is active.
-    "jointlimitpos" JointLimitPos = 20, Joint, 1, Position;
-    /// Velocity of a joint towards its limit, if the limit is active.
-    "jointlimitvel" JointLimitVel = 21, Joint, 1, Velocity;
-    /// Force of a joint's limit.
-    "jointlimitfrc" JointLimitFrc = 22, Joint, 1, Acceleration;
-    /// Distance of a tendon to its limit, if the limit is active.
-    "tendonlimitpos" TendonLimitPos = 23, Tendon, 1, Position;
-    /// Velocity of a tendon towards its limit, if the limit is active.
-    "tendonlimitvel" TendonLimitVel = 24, Tendon, 1, Velocity;
-    /// Force of a tendon's limit.
-    "tendonlimitfrc" TendonLimitFrc = 25, Tendon, 1, Acceleration;
-    /// Position of an object.
-    "framepos" FramePos = 26, Relative, 3, Position;
-    /// Orientation of an object.
-    "framequat" FrameQuat = 27, Relative, 4, Position;
-    /// The x axis of an object.
-    "framexaxis" FrameXAxis = 28, Relative, 3, Position;
-    /// The y axis of an object.
-    "frameyaxis" FrameYAxis = 29, Relative, 3, Position;
-    /// The z axis of an object.
-    "framezaxis" FrameZAxis = 30, Relative, 3, Position;
-    /// Velocity of an object.
-    "framelinvel" FrameLinVel = 31, Relative, 3, Velocity;
-    /// Angular velocity of an object.
-    "frameangvel" FrameAngVel = 32, Relative, 3, Velocity;
-    /// Acceleration of an object.
-    "framelinacc" FrameLinAcc = 33, Frame, 3, Acceleration;
-    /// Angular acceleration of an object.
-    "frameangacc" FrameAngAcc = 34, Frame, 3, Acceleration;
-    /// Centre of mass of a body with its descendants.
-    "subtreecom" SubtreeCom = 35, Body, 3, Position;
-    /// Velocity of the centre of mass of a body with its descendants.
-    "subtreelinvel" SubtreeLinVel = 36, Body, 3, Velocity;
-    /// Angular momentum of a body with its descendants about their centre of mass.
-    "subtreeangmom" SubtreeAngMom = 37, Body, 3, Velocity;
-    /// Potential energy.
-    "e_potential" EPotential = 43, Nothing, 1, Position;
-    /// Kinetic energy.
-    "e_kinetic" EKinetic = 44, Nothing, 1, Velocity;
-    /// Time.
-    "clock" Clock = 45, Nothing, 1, Position;
-}
-
-impl SensorType {
-    /// Whether the cutoff clamps the values: on both sides, or only above if they are never
-    /// negative. Axes and quaternions are not clamped.
-    #[must_use]
-    pub fn has_cutoff(self) -> bool {
-        let axes = [Self::FrameXAxis, Self::FrameYAxis, Self::FrameZAxis];
-        !axes.contains(&self) && !self.is_quaternion()
-    }
-
-    /// Whether the sensor returns a quaternion.
-    #[must_use]
-    pub fn is_quaternion(self) -> bool {
-        matches!(self, Self::FrameQuat | Self::BallQuat)
-    }
-
-    /// Whether the values are never negative.
-    #[must_use]
-    pub fn is_positive(self) -> bool {
-        matches!(self, Self::Touch | Self::Rangefinder)
     }
 }

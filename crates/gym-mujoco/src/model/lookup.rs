@@ -1,5 +1,7 @@
 //! Sizes of a model, and objects by their names.
 
+use std::ops::Range;
+
 use super::{CompiledModel, ObjectType};
 
 impl CompiledModel {
@@ -87,6 +89,24 @@ impl CompiledModel {
     #[must_use]
     pub fn nsensordata(&self) -> usize {
         self.sensor_dim.iter().sum()
+    }
+
+    /// The last degree of freedom of a body, or of its nearest ancestor that has one; -1 if there
+    /// is none.
+    pub(crate) fn last_dof(&self, mut body: usize) -> i32 {
+        while body > 0 && self.body_dofnum[body] == 0 {
+            body = self.body_parentid[body];
+        }
+        match self.body_dofnum[body] {
+            0 => -1,
+            number => self.body_dofadr[body] + number as i32 - 1,
+        }
+    }
+
+    /// The geoms of a body.
+    pub(crate) fn geoms_of(&self, body: usize) -> Range<usize> {
+        let first = usize::try_from(self.body_geomadr[body]);
+        first.map_or(0..0, |first| first..first + self.body_geomnum[body])
     }
 
     /// The object of a kind and name: MuJoCo's `mj_name2id`.

@@ -1,6 +1,7 @@
 //! Contact parameters mixed from the two geoms.
 
 use super::CompiledModel;
+use crate::physics::spatial::MINVAL;
 
 /// The parameters of a contact.
 #[derive(Clone, Copy, Debug)]
@@ -50,8 +51,7 @@ impl CompiledModel {
 
 /// The weight of the first geom in the average.
 fn weight(s1: f64, s2: f64) -> f64 {
-    const LEAST: f64 = 1e-15;
-    match (s1 >= LEAST, s2 >= LEAST) {
+    match (s1 >= MINVAL, s2 >= MINVAL) {
         (true, true) => s1 / (s1 + s2),
         (false, false) => 0.5,
         (first, _) => f64::from(u8::from(first)),

@@ -27,6 +27,8 @@ mod pairs;
 mod paths;
 mod plan;
 mod revision;
+mod sensors;
+mod softness;
 mod types;
 
 use std::ops::Deref;
@@ -35,16 +37,19 @@ use serde::{Deserialize, Serialize};
 
 use crate::{Error, Result};
 pub use complete::{Fluid, Parameters};
+pub(crate) use complete::{SOLIMP, SOLREF};
 pub(crate) use constants::{body_sizes, bounding_radius, mark_simple, with_constants};
 pub(crate) use constraints::{Equality, Scalar};
-pub(crate) use kinds::{About, Stage};
 pub use kinds::{
     BiasType, Cone, DynamicsType, EqualityType, GainType, GeomType, Integrator, JointType,
-    ObjectType, SensorType, Solver, TransmissionType, WrapType,
+    ObjectType, Solver, TransmissionType, WrapType,
 };
-pub(crate) use pairs::{Pair, Reach};
-pub(crate) use plan::{Bounds, Limit, Placed, Plan, Softness, same, same_quat};
+pub(crate) use pairs::{Pair, Reach, signature};
+pub(crate) use plan::{Bounds, Limit, Placed, Plan, same, same_quat};
 pub use revision::Revision;
+pub use sensors::SensorType;
+pub(crate) use sensors::{About, Stage};
+pub(crate) use softness::Softness;
 pub use types::{Disable, Names, Options, Statistics};
 
 /// A checked [`CompiledModel`], with the engine's precomputed data.

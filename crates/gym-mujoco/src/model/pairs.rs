@@ -1,9 +1,9 @@
 //! Pairs of geoms that can touch, and their contact parameters.
 
 use super::mix::Mixed;
-use super::plan::{Plan, Softness, geoms};
-use super::{CompiledModel, Cone, Disable, GeomType};
-use crate::{Error, Result};
+use super::plan::Plan;
+use super::{CompiledModel, Cone, Disable, GeomType, Softness};
+use crate::{Error, Result, Revision};
 
 /// Smaller friction is raised to this value: MuJoCo's `mjMINMU`.
 const MIN_FRICTION: f64 = 1e-5;
@@ -134,8 +134,8 @@ impl Plan {
                     continue;
                 }
                 let first = pairs.len();
-                for g1 in geoms(m, b1) {
-                    for g2 in geoms(m, b2) {
+                for g1 in m.geoms_of(b1) {
+                    for g2 in m.geoms_of(b2) {
                         let meet = m.geom_contype[g1] & m.geom_conaffinity[g2]
                             | m.geom_contype[g2] & m.geom_conaffinity[g1];
                         let known = of_bodies.iter().any(|&i| {
@@ -145,7 +145,7 @@ impl Plan {
                         if meet != 0 && !known {
                             push(
                                 &mut pairs,
-                                self.pair(m, [g1, g2], &Figures::mixed(m, g1, g2))?,
+                                self.pair(m, [g1, g2], &Figures::mixed(m, [g1, g2]))?,
                             )?;
                         }
                     }
@@ -166,11 +166,7 @@ impl Plan {
         [g1, g2]: [usize; 2],
         figures: &Figures,
     ) -> Result<Option<Pair>> {
-        let [g1, g2] = if m.geom_type[g1] > m.geom_type[g2] {
-            [g2, g1]
-        } else {
-            [g1, g2]
-        };
+        let [g1, g2] = by_type(m, [g1, g2]);
         let kind = (m.geom_type[g1], m.geom_type[g2]);
         if kind == (GeomType::Plane, GeomType::Plane) {
             return Ok(None);
@@ -192,8 +188,10 @@ impl Plan {
             ..
         } = *figures;
         let margin = includemargin + figures.gap;
-        let tree = |b: usize| usize::try_from(m.body_treeid[b]).ok();
         let columns = self.columns(m, b1, b2);
+        // 4.0 has no constraint where no degree of freedom moves one body relative to the other
+        let fixed = columns.is_empty() && m.revision == Revision::V4_0;
+        let tree = |b: usize| usize::try_from(m.body_treeid[b]).ok().filter(|_| !fixed);
         let softness = Softness::new(solref, solimp, &m.opt);
         let friction_damping = if solref_friction == [0.0; 2] {
             softness.damping
@@ -244,6 +242,15 @@ impl Plan {
     }
 }
 
+/// Two geoms in the order of their types, in which MuJoCo looks for their contacts.
+fn by_type(m: &CompiledModel, [g1, g2]: [usize; 2]) -> [usize; 2] {
+    if m.geom_type[g1] > m.geom_type[g2] {
+        [g2, g1]
+    } else {
+        [g1, g2]
+    }
+}
+
 /// The contact parameters of a pair.
 struct Figures {
     dim: u8,
@@ -273,7 +280,9 @@ impl Figures {
     }
 
     /// The parameters mixed from the two geoms.
-    fn mixed(m: &CompiledModel, g1: usize, g2: usize) -> Self {
+    fn mixed(m: &CompiledModel, geoms: [usize; 2]) -> Self {
+        // the order decides how the averages are rounded
+        let [g1, g2] = by_type(m, geoms);
         let Mixed {
             dim,
             friction: [slide, spin, roll],
@@ -302,6 +311,12 @@ fn stated_bodies(m: &CompiledModel, i: usize) -> [usize; 2] {
     [b1.min(b2), b1.max(b2)]
 }
 
+/// MuJoCo's number of a pair of bodies.
+pub(crate) fn signature([b1, b2]: [usize; 2]) -> u32 {
+    let (first, second) = (b1.min(b2), b1.max(b2));
+    ((first as u32) << 16) + second as u32
+}
+
 /// The largest number of contacts of two shapes.
 pub(super) fn most_contacts(kind: (GeomType, GeomType)) -> usize {
     match kind {
@@ -321,9 +336,5 @@ fn bodies_collide(m: &CompiledModel, excluded: &[u32], b1: usize, b2: usize) -> 
         && w1 != 0
         && w2 != 0
         && (w1 == parent(w2) || w2 == parent(w1));
-    w1 != w2
-        && !related
-        && excluded
-            .binary_search(&(((b1 as u32) << 16) + b2 as u32))
-            .is_err()
+    w1 != w2 && !related && excluded.binary_search(&signature([b1, b2])).is_err()
 }

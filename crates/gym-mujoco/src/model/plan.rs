@@ -8,12 +8,11 @@ use super::constraints::ModelConstraints;
 use super::pairs::{Pair, Reach, most_contacts};
 use super::paths::Paths;
 use super::{
-    CompiledModel, Cone, Disable, Integrator, JointType, Options, Stage, TransmissionType,
+    CompiledModel, Cone, Disable, Integrator, JointType, Softness, Stage, TransmissionType,
+    actuators,
 };
 use crate::Result;
-
-/// Impedances are clamped to this range: MuJoCo's `mjMINIMP` and `mjMAXIMP`.
-const IMPEDANCE: [f64; 2] = [1e-4, 0.9999];
+use crate::physics::spatial::MINVAL;
 
 /// Precomputed structure of a model.
 #[derive(Clone, Debug)]
@@ -178,49 +177,6 @@ pub(crate) struct Limit {
     pub(crate) softness: Softness,
 }
 
-/// Impedance and reference acceleration of a constraint, as functions of its position.
-#[derive(Clone, Debug)]
-pub(crate) struct Softness {
-    pub(crate) stiffness: f64,
-    pub(crate) damping: f64,
-    pub(crate) dmin: f64,
-    pub(crate) dmax: f64,
-    pub(crate) width: f64,
-    pub(crate) midpoint: f64,
-    pub(crate) power: f64,
-}
-
-impl Softness {
-    /// MuJoCo's `getsolparam` and the stiffness and damping of `mj_makeImpedance`.
-    pub(crate) fn new(solref: [f64; 2], solimp: [f64; 5], opt: &Options) -> Self {
-        const LEAST: f64 = 1e-15;
-        let [dmin, dmax, width, midpoint, power] = solimp;
-        let [dmin, dmax, midpoint] =
-            [dmin, dmax, midpoint].map(|x| x.clamp(IMPEDANCE[0], IMPEDANCE[1]));
-        let [mut time, ratio] = solref;
-        if time > 0.0 && !opt.disables(Disable::RefSafe) {
-            time = time.max(2.0 * opt.timestep);
-        }
-        Self {
-            stiffness: if time > 0.0 {
-                1.0 / f64::max(LEAST, dmax * dmax * time * time * ratio * ratio)
-            } else {
-                -time / f64::max(LEAST, dmax * dmax)
-            },
-            damping: if ratio > 0.0 {
-                2.0 / f64::max(LEAST, dmax * time)
-            } else {
-                -ratio / f64::max(LEAST, dmax)
-            },
-            dmin,
-            dmax,
-            width: width.max(0.0),
-            midpoint,
-            power: power.max(1.0),
-        }
-    }
-}
-
 impl Plan {
     pub(super) fn new(m: &CompiledModel) -> Result<Self> {
         let mut ways: Vec<Vec<usize>> = Vec::new();
@@ -306,11 +262,11 @@ impl Plan {
             },
             constraints: ModelConstraints::new(m),
             paths: Paths::default(),
-            motors: super::actuators::motors(m),
-            steady: super::actuators::steady(m),
-            servos: super::actuators::servos(m),
-            transmits: super::actuators::transmits(m),
-            periods: super::actuators::periods(m),
+            motors: actuators::motors(m),
+            steady: actuators::steady(m),
+            servos: actuators::servos(m),
+            transmits: actuators::transmits(m),
+            periods: actuators::periods(m),
             tendon_forces: m.tendon_actfrclimited.contains(&true),
             gravcomp: !off(Disable::Gravity)
                 && m.opt.gravity != [0.0; 3]
@@ -361,7 +317,7 @@ impl Plan {
         plan.sites_read =
             paths || m.neq() > 0 || m.actuator_trntype.contains(&TransmissionType::Site);
         plan.bounds = (0..m.nbody())
-            .map(|body| Tree::new(m, body, self::geoms(m, body)))
+            .map(|body| Tree::new(m, body, m.geoms_of(body)))
             .collect();
         plan.reaches = plan.pairs.iter().map(Reach::new).collect();
         plan.limits = (0..m.njnt())
@@ -459,22 +415,17 @@ fn is_free(m: &CompiledModel, body: usize) -> bool {
 /// The boxes on which the fluid acts, by their edges; `None` if the ellipsoid model applies to the
 /// body's geoms.
 fn boxes(m: &CompiledModel) -> Vec<(usize, Option<[f64; 3]>)> {
-    const LEAST: f64 = 1e-15;
     let medium = m.opt.density > 0.0 || m.opt.viscosity > 0.0;
-    let heavy = (1..m.nbody()).filter(|&b| medium && m.body_mass[b] >= LEAST);
+    let heavy = (1..m.nbody()).filter(|&b| medium && m.body_mass[b] >= MINVAL);
     let of = |b: usize| {
-        if geoms(m, b).any(|g| m.geom_fluid[g].0[0] > 0.0) {
+        if m.geoms_of(b).any(|g| m.geom_fluid[g].0[0] > 0.0) {
             return (b, None);
         }
         let ([i, j, k], mass) = (m.body_inertia[b], m.body_mass[b]);
-        let edge = |a: f64, b: f64, c: f64| (f64::max(LEAST, a + b - c) / mass * 6.0).sqrt();
+        let edge = |a: f64, b: f64, c: f64| (f64::max(MINVAL, a + b - c) / mass * 6.0).sqrt();
         (b, Some([edge(j, k, i), edge(i, k, j), edge(i, j, k)]))
     };
     heavy.map(of).collect()
-}
-
-pub(super) fn geoms(m: &CompiledModel, body: usize) -> Range<usize> {
-    usize::try_from(m.body_geomadr[body]).map_or(0..0, |first| first..first + m.body_geomnum[body])
 }
 
 fn limit(m: &CompiledModel, joint: usize) -> Limit {

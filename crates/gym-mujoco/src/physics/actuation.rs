@@ -44,7 +44,8 @@ pub fn fwd_actuation(m: &Model, d: &mut Data) {
 #[inline(never)]
 fn general(m: &Model, d: &mut Data) {
     d.actuator_force.fill(0.0);
-    if m.opt.disables(Disable::Actuation) {
+    // without actuators, joints with `actuatorgravcomp` have no gravity compensation at all
+    if m.nu() == 0 || m.opt.disables(Disable::Actuation) {
         return;
     }
     let mut ctrl = std::mem::take(&mut d.work.ctrl);

@@ -183,6 +183,13 @@ impl Constraints {
         &self.jac
     }
 
+    /// Removes the last block, to which no rows were pushed yet.
+    pub(super) fn pop_block(&mut self) {
+        if let Some(block) = self.blocks.pop() {
+            self.jac.truncate(block.row * self.stride);
+        }
+    }
+
     /// The Jacobian, row by row, mutable.
     #[inline]
     pub(super) fn jacobian_mut(&mut self) -> &mut [Lanes] {

@@ -191,7 +191,11 @@ fn actuators(m: &Model, d: &Data, add: &mut impl FnMut(usize, usize, f64)) {
         if gain != 0.0 {
             slope += gain
                 * match usize::try_from(m.actuator_actadr[i]) {
-                    Err(_) => d.ctrl[i],
+                    Err(_) => match m.revision {
+                        // 3.12 forgets the range of the control
+                        Revision::V3_12 => d.ctrl[i],
+                        Revision::V4_0 => d.work.ctrl[i],
+                    },
                     Ok(adr) if m.actuator_actearly[i] => next(m, d, i, adr, d.act_dot[adr]),
                     Ok(adr) => d.act[adr],
                 };

@@ -139,11 +139,28 @@ fn bodies<O: Order>(m: &Model, d: &mut Data, constraint: &Equality) {
             }
         }
     }
+    if drop_zeros(&mut d.efc, row) {
+        return;
+    }
+    let efc = &mut d.efc;
     let distance = dot_slices(&pos[..rows], &pos[..rows]).sqrt();
     for k in 0..rows {
         let diag = constraint.diag[usize::from(k > 2)];
         push_rows(efc, &constraint.softness, (pos[k], distance), 0.0, diag, 1);
     }
+}
+
+/// Removes the last block, which begins at row `row`, if its Jacobian is zero, and returns whether it
+/// did: MuJoCo adds no such constraints.
+fn drop_zeros(efc: &mut Constraints, row: usize) -> bool {
+    let zero = efc.jacobian()[row * efc.stride()..]
+        .as_flattened()
+        .iter()
+        .all(|x| *x == 0.0);
+    if zero {
+        efc.pop_block();
+    }
+    zero
 }
 
 /// The product of a quaternion and an axis: MuJoCo's `mju_mulQuatAxis`.
@@ -206,6 +223,9 @@ fn polynomial(m: &Model, d: &mut Data, constraint: &Equality) {
                 add_row(&mut d.efc, row, paths.columns[e], d.ten_j[e] * factor);
             }
         }
+    }
+    if drop_zeros(&mut d.efc, row) {
+        return;
     }
     push_rows(
         &mut d.efc,

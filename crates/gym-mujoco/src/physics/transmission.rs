@@ -210,7 +210,14 @@ fn between_sites<O: Order>(
         length += dot(rotate_back(mat, apart), push);
     }
     if used(turn) {
-        let quat = |s: usize| O::mul_quat(m.site_quat[s], d.xquat[m.site_bodyid[s]]);
+        let quat = |s: usize| {
+            let (own, body) = (m.site_quat[s], d.xquat[m.site_bodyid[s]]);
+            match m.revision {
+                // 3.12 multiplies in the wrong order
+                Revision::V3_12 => O::mul_quat(own, body),
+                Revision::V4_0 => O::mul_quat(body, own),
+            }
+        };
         length += dot(O::sub_quat(quat(site), quat(reference)), turn);
     }
     let (force, torque) = (rotate(mat, push), rotate(mat, turn));

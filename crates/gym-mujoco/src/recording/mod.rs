@@ -116,8 +116,7 @@ fn model(recording: &Map<String, Value>, folder: &Path) -> Result<Arc<Model>> {
 }
 
 /// The results of a step.
-#[must_use]
-pub fn after_step(m: &Model, d: &mut Data) -> Value {
+fn after_step(m: &Model, d: &mut Data) -> Value {
     step(m, d);
     physics::rne_post_constraint(m, d);
     json!({
@@ -129,8 +128,7 @@ pub fn after_step(m: &Model, d: &mut Data) -> Value {
 }
 
 /// The results of a forward call.
-#[must_use]
-pub fn after_forward(m: &Model, d: &mut Data) -> Value {
+fn after_forward(m: &Model, d: &mut Data) -> Value {
     forward(m, d);
     physics::rne_post_constraint(m, d);
     let positions = json!({

@@ -19,17 +19,17 @@
 //!
 //! Source: Gymnasium 1.4.0, `envs/mujoco/ant_v5.py` and `_v4.py`; 0.29.1 for versions 2 and 3.
 
-use gym_core::registry::Clip;
 use gym_core::{Array, Error, Generator, Registration, Result};
 use serde::{Deserialize, Serialize};
 
-use super::Ant;
 use super::arguments::{Common, TaskArguments};
 use super::cost::ControlCost;
-use super::env;
-use super::numpy::{norm, sum_of_squares};
+use super::env::{self, Visit};
+use super::motion::visit_motion;
+use super::numpy::sum_of_squares;
 use super::range::Range;
 use super::simulation::{Simulation, normal_noise, uniform_noise};
+use super::{Ant, clip};
 use crate::Data;
 use crate::physics::lanes::Derived;
 use crate::view::CameraConfig;
@@ -96,19 +96,7 @@ gym_core::arguments! {
     }
 }
 
-impl TaskArguments for Config {
-    fn common(&self) -> &Common {
-        &self.common
-    }
-
-    fn common_mut(&mut self) -> &mut Common {
-        &mut self.common
-    }
-
-    fn reset_noise_scale(&self) -> f64 {
-        self.reset_noise_scale
-    }
-}
+impl TaskArguments for Config {}
 
 /// The task.
 #[derive(Clone, Debug)]
@@ -233,11 +221,7 @@ impl env::Task for Task {
     }
 
     fn observe(&self, _simulation: &Simulation, data: &Data) -> impl Iterator<Item = f64> {
-        let skip = if self.config.exclude_current_positions_from_observation {
-            2
-        } else {
-            0
-        };
+        let skip = 2 * usize::from(self.config.exclude_current_positions_from_observation);
         let first = self.observed_forces.unwrap_or(data.cfrc_ext.len());
         let forces = data.cfrc_ext[first..].as_flattened().iter();
         let clipped = forces.map(|force| self.config.contact_force_range.clip(*force));
@@ -249,31 +233,10 @@ impl env::Task for Task {
             .chain(clipped)
     }
 
-    fn info(
-        &self,
-        _: &Simulation,
-        data: &Data,
-        step: Option<&Step>,
-        visit: &mut dyn FnMut(&str, f64),
-    ) {
-        let position = match (self.version, step) {
-            (5.., _) => Some([data.qpos[0], data.qpos[1]]),
-            (3 | 4, Some(step)) => Some(step.position),
-            _ => None,
-        };
-        let place = |visit: &mut dyn FnMut(&str, f64)| {
-            if let Some(position) = position {
-                visit("x_position", position[0]);
-                visit("y_position", position[1]);
-                visit("distance_from_origin", norm(self.version, &position));
-            }
-            if let (3.., Some(step)) = (self.version, step) {
-                visit("x_velocity", step.velocity[0]);
-                visit("y_velocity", step.velocity[1]);
-            }
-        };
+    fn info(&self, _: &Simulation, data: &Data, step: Option<&Step>, visit: Visit<'_>) {
+        let motion = step.map(|step| (step.position, step.velocity));
         if self.version >= 5 {
-            place(visit);
+            visit_motion(self.version, data, motion, visit);
         }
         let Some(step) = step else { return };
         visit("reward_forward", step.forward);
@@ -289,7 +252,7 @@ impl env::Task for Task {
         }
         visit("reward_survive", step.survive);
         if self.version < 5 {
-            place(visit);
+            visit_motion(self.version, data, motion, visit);
         }
         if matches!(self.version, 3 | 4) {
             visit("forward_reward", step.forward);
@@ -314,10 +277,5 @@ gym_core::register!(
         "contact forces are always 0 in this version, as in Gymnasium's"
     )]),
     ant("Ant-v4"),
-    ant("Ant-v5").clip(Clip {
-        seeds: 0..2,
-        every: 2,
-        frames: 40,
-        size: (200, 200)
-    }),
+    ant("Ant-v5").clip(clip(2, 40, 200)),
 );

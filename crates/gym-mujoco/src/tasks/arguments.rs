@@ -16,29 +16,18 @@ const LARGEST: f64 = 1e100;
 /// The largest frame skip. A step with more timesteps would seem to hang.
 const LONGEST_SKIP: usize = 1000;
 
-/// The arguments of a task.
+/// The arguments of a task: a struct of [`gym_core::arguments!`] with [`Common`] flattened.
 pub trait TaskArguments:
-    Arguments + Clone + PartialEq + std::fmt::Debug + Send + Sync + 'static
+    Arguments + AsRef<Common> + AsMut<Common> + std::fmt::Debug + Send + Sync + 'static
 {
     /// The default values in a version. Versions that Gymnasium can no longer run default to the
     /// version of MuJoCo that their recordings have.
     fn defaults(version: u32) -> Self {
         let mut config = Self::default();
         if version < 4 {
-            config.common_mut().mujoco = Revision::V3_12;
+            config.as_mut().mujoco = Revision::V3_12;
         }
         config
-    }
-
-    /// The arguments that all tasks share.
-    fn common(&self) -> &Common;
-
-    /// The shared arguments, mutable.
-    fn common_mut(&mut self) -> &mut Common;
-
-    /// The argument `reset_noise_scale`; 0 for a task without it.
-    fn reset_noise_scale(&self) -> f64 {
-        0.0
     }
 
     /// Checks the sizes of numbers.
@@ -47,14 +36,16 @@ pub trait TaskArguments:
     /// [`Error::InvalidArgument`] for a `reset_noise_scale` whose normal numbers may exceed MuJoCo's
     /// limit, and for a number, such as a weight, that makes rewards infinite.
     fn check_sizes(&self) -> Result<()> {
-        let scale = self.reset_noise_scale();
-        if scale.abs() > LARGEST_NOISE {
+        let arguments = serde_json::to_value(self).unwrap_or_default();
+        // JSON has null for infinity and NaN
+        let scale = arguments.get("reset_noise_scale");
+        let scale = scale.map(|scale| scale.as_f64().unwrap_or(f64::INFINITY));
+        if let Some(scale) = scale.filter(|scale| scale.abs() > LARGEST_NOISE) {
             let reason = format!(
                 "{scale:e} is not within ±{LARGEST_NOISE:e}: MuJoCo's numbers lie within ±{MAXVAL:e}"
             );
             return Err(Error::argument("reset_noise_scale", reason));
         }
-        let arguments = serde_json::to_value(self).unwrap_or_default();
         let numbers = arguments.as_object().into_iter().flatten();
         for (name, number) in numbers.filter_map(|(name, x)| Some((name, x.as_f64()?))) {
             if number.abs() > LARGEST {

@@ -22,6 +22,9 @@ use crate::physics::MAXVAL;
 use crate::physics::lanes::Derived;
 use crate::{Data, Revision};
 
+/// Takes an entry of `info`.
+pub type Visit<'a> = &'a mut dyn FnMut(&str, f64);
+
 /// A task: the parts in which the environments of this crate differ.
 pub trait Task: Clone + fmt::Debug + Send + Sync + Sized + 'static {
     /// The derived arrays that steps, observations and `info` read, beside positions and
@@ -61,7 +64,7 @@ pub trait Task: Clone + fmt::Debug + Send + Sync + Sized + 'static {
         simulation: &Simulation,
         data: &Data,
         step: Option<&Self::Step>,
-        visit: &mut dyn FnMut(&str, f64),
+        visit: Visit<'_>,
     );
 
     /// The entry of `info` after which lengths and velocities of the tendons are inserted; `None`
@@ -124,7 +127,7 @@ impl<T: Task> MujocoEnv<T> {
         if config != T::Config::defaults(version) {
             config.check_sizes()?;
         }
-        let mut simulation = Simulation::new(config.common(), version)?;
+        let mut simulation = Simulation::new(config.as_ref(), version)?;
         if let Some(reads) = T::READS {
             simulation.read(reads);
         }
@@ -262,7 +265,7 @@ impl<T: Task> MujocoEnv<T> {
         struct With {
             mujoco: Revision,
         }
-        let (env, own) = (self.describe(), self.arguments.1.common().mujoco);
+        let (env, own) = (self.describe(), self.arguments.1.as_ref().mujoco);
         match snapshot.get::<Taken>() {
             Ok(taken) if taken.env == env && taken.config.1.mujoco != own => {
                 let other = taken.config.1.mujoco;
@@ -370,7 +373,7 @@ impl<T: Task> Env for MujocoEnv<T> {
     }
 
     fn metadata(&self) -> Metadata {
-        let common = self.arguments.1.common();
+        let common = self.arguments.1.as_ref();
         Metadata::drawn_and_depth(self.simulation.fps(), (common.width, common.height))
     }
 
@@ -378,7 +381,7 @@ impl<T: Task> Env for MujocoEnv<T> {
         let (Some(data), simulation) = (self.data(), &self.simulation) else {
             return;
         };
-        let common = self.arguments.1.common();
+        let common = self.arguments.1.as_ref();
         simulation.view.draw(
             &simulation.model,
             data,
@@ -390,7 +393,7 @@ impl<T: Task> Env for MujocoEnv<T> {
     fn depth(&self, size: (u32, u32)) -> Option<Vec<f32>> {
         let data = self.data()?;
         let Simulation { model, view, .. } = &self.simulation;
-        let common = self.arguments.1.common();
+        let common = self.arguments.1.as_ref();
         Some(view.depth_of(model, data, (common.width, common.height), size))
     }
 

@@ -19,15 +19,14 @@
 //! Source: Gymnasium 1.4.0, `envs/mujoco/half_cheetah_v5.py` and `_v4.py`; 0.29.1 for versions 2
 //! and 3.
 
-use gym_core::registry::Clip;
 use gym_core::{Array, Generator, Registration, Result};
 use serde::{Deserialize, Serialize};
 
-use super::HalfCheetah;
 use super::arguments::{Common, TaskArguments};
 use super::cost::ControlCost;
-use super::env;
+use super::env::{self, Visit};
 use super::simulation::{Simulation, normal_noise, uniform_noise};
+use super::{HalfCheetah, clip};
 use crate::Data;
 use crate::physics::lanes::Derived;
 use crate::view::CameraConfig;
@@ -53,19 +52,7 @@ gym_core::arguments! {
     }
 }
 
-impl TaskArguments for Config {
-    fn common(&self) -> &Common {
-        &self.common
-    }
-
-    fn common_mut(&mut self) -> &mut Common {
-        &mut self.common
-    }
-
-    fn reset_noise_scale(&self) -> f64 {
-        self.reset_noise_scale
-    }
-}
+impl TaskArguments for Config {}
 
 /// The task.
 #[derive(Clone, Debug)]
@@ -126,13 +113,7 @@ impl env::Task for Task {
         data.qpos.iter().skip(skip).chain(&data.qvel).copied()
     }
 
-    fn info(
-        &self,
-        _: &Simulation,
-        data: &Data,
-        step: Option<&Step>,
-        visit: &mut dyn FnMut(&str, f64),
-    ) {
+    fn info(&self, _: &Simulation, data: &Data, step: Option<&Step>, visit: Visit<'_>) {
         if self.version >= 3 && (self.version >= 5 || step.is_some()) {
             visit("x_position", data.qpos[0]);
         }
@@ -166,10 +147,5 @@ gym_core::register!(
     half_cheetah("HalfCheetah-v2"),
     half_cheetah("HalfCheetah-v3"),
     half_cheetah("HalfCheetah-v4"),
-    half_cheetah("HalfCheetah-v5").clip(Clip {
-        seeds: 0..2,
-        every: 2,
-        frames: 60,
-        size: (240, 240)
-    }),
+    half_cheetah("HalfCheetah-v5").clip(clip(2, 60, 240)),
 );

@@ -19,12 +19,11 @@
 //! Source: Gymnasium 1.4.0, `envs/mujoco/hopper_v5.py` and `_v4.py`; 0.29.1 for versions 2 and 3.
 
 use gym_core::Registration;
-use gym_core::registry::Clip;
 
-use super::Hopper;
 use super::arguments::{Common, TaskArguments};
 use super::range::Range;
 use super::runner::{Runner, RunnerArguments, Settings};
+use super::{Hopper, clip};
 use crate::view::CameraConfig;
 
 /// The task.
@@ -68,19 +67,7 @@ gym_core::arguments! {
     }
 }
 
-impl TaskArguments for Config {
-    fn common(&self) -> &Common {
-        &self.common
-    }
-
-    fn common_mut(&mut self) -> &mut Common {
-        &mut self.common
-    }
-
-    fn reset_noise_scale(&self) -> f64 {
-        self.reset_noise_scale
-    }
-}
+impl TaskArguments for Config {}
 
 impl RunnerArguments for Config {
     fn settings(&self) -> Settings {
@@ -112,10 +99,5 @@ gym_core::register!(
     hopper("Hopper-v2"),
     hopper("Hopper-v3"),
     hopper("Hopper-v4"),
-    hopper("Hopper-v5").clip(Clip {
-        seeds: 0..2,
-        every: 3,
-        frames: 40,
-        size: (240, 240)
-    }),
+    hopper("Hopper-v5").clip(clip(3, 40, 240)),
 );

@@ -18,16 +18,16 @@
 //!
 //! Source: Gymnasium 1.4.0, `envs/mujoco/humanoid_v5.py` and `_v4.py`; 0.29.1 for versions 2 and 3.
 
-use gym_core::registry::Clip;
 use gym_core::{Array, Generator, Registration, Result};
 use serde::{Deserialize, Serialize};
 
-use super::Humanoid;
 use super::arguments::{Common, TaskArguments};
-use super::env;
-use super::numpy::{norm, sum, sum_of_squares};
+use super::env::{self, Visit};
+use super::motion::visit_motion;
+use super::numpy::{sum, sum_of_squares};
 use super::range::Range;
 use super::simulation::{Simulation, uniform_noise, uniform_velocities};
+use super::{Humanoid, clip};
 use crate::Data;
 use crate::physics::lanes::Derived;
 use crate::view::CameraConfig;
@@ -96,11 +96,7 @@ impl Observed {
     /// the root joint's torques, which are zero.
     pub(super) fn numbers(self, version: u32, data: &Data) -> impl Iterator<Item = f64> {
         let (world, root) = if version >= 5 { (1, 6) } else { (0, 0) };
-        let skip = if self.exclude_current_positions_from_observation {
-            2
-        } else {
-            0
-        };
+        let skip = 2 * usize::from(self.exclude_current_positions_from_observation);
         let part = |included: bool, numbers: &'_ [f64], first: usize| {
             let first = if included {
                 first.min(numbers.len())
@@ -123,19 +119,7 @@ impl Observed {
     }
 }
 
-impl TaskArguments for Config {
-    fn common(&self) -> &Common {
-        &self.common
-    }
-
-    fn common_mut(&mut self) -> &mut Common {
-        &mut self.common
-    }
-
-    fn reset_noise_scale(&self) -> f64 {
-        self.reset_noise_scale
-    }
-}
+impl TaskArguments for Config {}
 
 /// The task.
 #[derive(Clone, Debug)]
@@ -252,31 +236,10 @@ impl env::Task for Task {
         self.config.observed.numbers(self.version, data)
     }
 
-    fn info(
-        &self,
-        _: &Simulation,
-        data: &Data,
-        step: Option<&Step>,
-        visit: &mut dyn FnMut(&str, f64),
-    ) {
-        let position = match (self.version, step) {
-            (5.., _) => Some([data.qpos[0], data.qpos[1]]),
-            (3 | 4, Some(step)) => Some(step.position),
-            _ => None,
-        };
-        let place = |visit: &mut dyn FnMut(&str, f64)| {
-            if let Some(position) = position {
-                visit("x_position", position[0]);
-                visit("y_position", position[1]);
-                visit("distance_from_origin", norm(self.version, &position));
-            }
-            if let (3.., Some(step)) = (self.version, step) {
-                visit("x_velocity", step.velocity[0]);
-                visit("y_velocity", step.velocity[1]);
-            }
-        };
+    fn info(&self, _: &Simulation, data: &Data, step: Option<&Step>, visit: Visit<'_>) {
+        let motion = step.map(|step| (step.position, step.velocity));
         if self.version >= 5 {
-            place(visit);
+            visit_motion(self.version, data, motion, visit);
         }
         let Some(step) = step else { return };
         if self.version >= 5 {
@@ -292,7 +255,7 @@ impl env::Task for Task {
         if self.version <= 3 {
             visit("reward_impact", -step.contact);
         }
-        place(visit);
+        visit_motion(self.version, data, motion, visit);
         if self.version >= 3 {
             visit("forward_reward", step.forward);
         }
@@ -319,10 +282,5 @@ gym_core::register!(
         "contact forces are always 0 in this version, as in Gymnasium's"
     )]),
     humanoid("Humanoid-v4"),
-    humanoid("Humanoid-v5").clip(Clip {
-        seeds: 0..2,
-        every: 2,
-        frames: 30,
-        size: (240, 240)
-    }),
+    humanoid("Humanoid-v5").clip(clip(2, 30, 240)),
 );

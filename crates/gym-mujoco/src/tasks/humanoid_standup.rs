@@ -17,17 +17,16 @@
 //!
 //! Source: Gymnasium 1.4.0, `envs/mujoco/humanoidstandup_v5.py` and `_v4.py`; 0.29.1 for version 2.
 
-use gym_core::registry::Clip;
 use gym_core::{Array, Generator, Registration, Result};
 use serde::{Deserialize, Serialize};
 
-use super::HumanoidStandup;
 use super::arguments::{Common, TaskArguments};
-use super::env;
+use super::env::{self, Visit};
 use super::humanoid::{Observed, READS};
 use super::numpy::sum_of_squares;
 use super::range::Range;
 use super::simulation::{Simulation, uniform_noise, uniform_velocities};
+use super::{HumanoidStandup, clip};
 use crate::Data;
 use crate::physics::lanes::Derived;
 use crate::view::CameraConfig;
@@ -59,19 +58,7 @@ gym_core::arguments! {
     }
 }
 
-impl TaskArguments for Config {
-    fn common(&self) -> &Common {
-        &self.common
-    }
-
-    fn common_mut(&mut self) -> &mut Common {
-        &mut self.common
-    }
-
-    fn reset_noise_scale(&self) -> f64 {
-        self.reset_noise_scale
-    }
-}
+impl TaskArguments for Config {}
 
 /// The task.
 #[derive(Clone, Debug)]
@@ -122,13 +109,7 @@ impl env::Task for Task {
         self.config.observed.numbers(self.version, data)
     }
 
-    fn info(
-        &self,
-        simulation: &Simulation,
-        data: &Data,
-        step: Option<&Step>,
-        visit: &mut dyn FnMut(&str, f64),
-    ) {
+    fn info(&self, simulation: &Simulation, data: &Data, step: Option<&Step>, visit: Visit<'_>) {
         if self.version >= 5 {
             visit("x_position", data.qpos[0]);
             visit("y_position", data.qpos[1]);
@@ -166,10 +147,5 @@ gym_core::register!(
             "arguments-matter.uph_cost_weight",
             "it has no effect, as in Gymnasium"
         )])
-        .clip(Clip {
-            seeds: 0..2,
-            every: 3,
-            frames: 40,
-            size: (200, 200)
-        }),
+        .clip(clip(3, 40, 200)),
 );

@@ -19,14 +19,13 @@
 //! Source: Gymnasium 1.4.0, `envs/mujoco/inverted_double_pendulum_v5.py` and `_v4.py`; 0.29.1 for
 //! version 2.
 
-use gym_core::registry::Clip;
 use gym_core::{Array, Generator, Registration, Result};
 use serde::{Deserialize, Serialize};
 
-use super::InvertedDoublePendulum;
 use super::arguments::{Common, TaskArguments};
-use super::env;
+use super::env::{self, Visit};
 use super::simulation::{Simulation, normal_noise, uniform_noise};
+use super::{InvertedDoublePendulum, clip};
 use crate::physics::lanes::Derived;
 use crate::view::CameraConfig;
 use crate::{Data, libm};
@@ -48,19 +47,7 @@ gym_core::arguments! {
     }
 }
 
-impl TaskArguments for Config {
-    fn common(&self) -> &Common {
-        &self.common
-    }
-
-    fn common_mut(&mut self) -> &mut Common {
-        &mut self.common
-    }
-
-    fn reset_noise_scale(&self) -> f64 {
-        self.reset_noise_scale
-    }
-}
+impl TaskArguments for Config {}
 
 /// The task.
 #[derive(Clone, Debug)]
@@ -135,13 +122,7 @@ impl env::Task for Task {
             .chain(clipped.map(|x| x.clamp(-LIMIT, LIMIT)))
     }
 
-    fn info(
-        &self,
-        _: &Simulation,
-        _: &Data,
-        step: Option<&Step>,
-        visit: &mut dyn FnMut(&str, f64),
-    ) {
+    fn info(&self, _: &Simulation, _: &Data, step: Option<&Step>, visit: Visit<'_>) {
         if let Some(step) = step
             && self.version >= 5
         {
@@ -165,10 +146,5 @@ const fn inverted_double_pendulum(id: &'static str) -> Registration {
 gym_core::register!(
     inverted_double_pendulum("InvertedDoublePendulum-v2"),
     inverted_double_pendulum("InvertedDoublePendulum-v4"),
-    inverted_double_pendulum("InvertedDoublePendulum-v5").clip(Clip {
-        seeds: 0..2,
-        every: 1,
-        frames: 40,
-        size: (240, 240)
-    }),
+    inverted_double_pendulum("InvertedDoublePendulum-v5").clip(clip(1, 40, 240)),
 );

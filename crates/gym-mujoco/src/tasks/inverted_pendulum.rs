@@ -19,14 +19,13 @@
 //! Source: Gymnasium 1.4.0, `envs/mujoco/inverted_pendulum_v5.py` and `_v4.py`; 0.29.1 for version
 //! 2.
 
-use gym_core::registry::Clip;
 use gym_core::{Array, Generator, Registration, Result};
 use serde::{Deserialize, Serialize};
 
-use super::InvertedPendulum;
 use super::arguments::{Common, TaskArguments};
-use super::env;
+use super::env::{self, Visit};
 use super::simulation::{Simulation, uniform_noise, uniform_velocities};
+use super::{InvertedPendulum, clip};
 use crate::Data;
 use crate::physics::lanes::Derived;
 use crate::view::CameraConfig;
@@ -45,19 +44,7 @@ gym_core::arguments! {
     }
 }
 
-impl TaskArguments for Config {
-    fn common(&self) -> &Common {
-        &self.common
-    }
-
-    fn common_mut(&mut self) -> &mut Common {
-        &mut self.common
-    }
-
-    fn reset_noise_scale(&self) -> f64 {
-        self.reset_noise_scale
-    }
-}
+impl TaskArguments for Config {}
 
 /// The task.
 #[derive(Clone, Debug)]
@@ -108,13 +95,7 @@ impl env::Task for Task {
         data.qpos.iter().chain(&data.qvel).copied()
     }
 
-    fn info(
-        &self,
-        _: &Simulation,
-        _: &Data,
-        step: Option<&Step>,
-        visit: &mut dyn FnMut(&str, f64),
-    ) {
+    fn info(&self, _: &Simulation, _: &Data, step: Option<&Step>, visit: Visit<'_>) {
         if let Some(step) = step
             && self.version >= 5
         {
@@ -136,10 +117,5 @@ const fn inverted_pendulum(id: &'static str) -> Registration {
 gym_core::register!(
     inverted_pendulum("InvertedPendulum-v2"),
     inverted_pendulum("InvertedPendulum-v4"),
-    inverted_pendulum("InvertedPendulum-v5").clip(Clip {
-        seeds: 0..2,
-        every: 1,
-        frames: 40,
-        size: (240, 240)
-    }),
+    inverted_pendulum("InvertedPendulum-v5").clip(clip(1, 40, 240)),
 );

@@ -10,6 +10,8 @@
 mod arguments;
 mod cost;
 mod env;
+mod models;
+mod motion;
 pub mod numpy;
 mod range;
 mod runner;
@@ -28,13 +30,15 @@ pub mod reacher;
 pub mod swimmer;
 pub mod walker2d;
 
+use gym_core::registry::Clip;
 use gym_core::{Env, EnvExt, Result};
 
 pub use crate::physics::lanes::{Derived, Stride};
 pub use arguments::{Common, TaskArguments};
-pub use env::{MujocoEnv, Task};
+pub use env::{MujocoEnv, Task, Visit};
+pub use models::{load, models};
 pub use range::Range;
-pub use simulation::{Simulation, load, models};
+pub use simulation::Simulation;
 pub use together::{Place, Worlds};
 
 use crate::Data;
@@ -107,3 +111,14 @@ tasks!(
     swimmer Swimmer "Swim with three links. See [`swimmer`].";
     walker2d Walker2d "Walk on two legs in a plane. See [`walker2d`].";
 );
+
+/// The clip of two episodes on a task's page, which shows every `every`-th state. `side` is the
+/// width and height of its pictures.
+const fn clip(every: u32, frames: u32, side: u32) -> Clip {
+    Clip {
+        seeds: 0..2,
+        every,
+        frames,
+        size: (side, side),
+    }
+}

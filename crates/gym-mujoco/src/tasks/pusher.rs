@@ -18,16 +18,15 @@
 //!
 //! Source: Gymnasium 1.4.0, `envs/mujoco/pusher_v5.py` and `_v4.py`; 0.29.1 for version 2.
 
-use gym_core::registry::Clip;
 use gym_core::{Array, Generator, Registration, Result};
 use serde::{Deserialize, Serialize};
 
-use super::Pusher;
 use super::arguments::{Common, TaskArguments};
 use super::cost::ControlCost;
-use super::env;
+use super::env::{self, Visit};
 use super::numpy::norm;
 use super::simulation::{Simulation, uniform_velocities};
+use super::{Pusher, clip};
 use crate::view::CameraConfig;
 use crate::{Data, Revision};
 
@@ -61,14 +60,6 @@ impl TaskArguments for Config {
             config.common.mujoco = Revision::V3_12;
         }
         config
-    }
-
-    fn common(&self) -> &Common {
-        &self.common
-    }
-
-    fn common_mut(&mut self) -> &mut Common {
-        &mut self.common
     }
 }
 
@@ -176,13 +167,7 @@ impl env::Task for Task {
             .chain(bodies.into_iter().flatten())
     }
 
-    fn info(
-        &self,
-        _: &Simulation,
-        _: &Data,
-        step: Option<&Step>,
-        visit: &mut dyn FnMut(&str, f64),
-    ) {
+    fn info(&self, _: &Simulation, _: &Data, step: Option<&Step>, visit: Visit<'_>) {
         let Some(step) = step else { return };
         visit("reward_dist", -step.distance);
         visit("reward_ctrl", -step.ctrl);
@@ -205,10 +190,5 @@ const fn pusher(id: &'static str) -> Registration {
 gym_core::register!(
     pusher("Pusher-v2"),
     pusher("Pusher-v4"),
-    pusher("Pusher-v5").clip(Clip {
-        seeds: 0..2,
-        every: 2,
-        frames: 60,
-        size: (240, 240)
-    }),
+    pusher("Pusher-v5").clip(clip(2, 60, 240)),
 );

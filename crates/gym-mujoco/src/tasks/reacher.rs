@@ -17,16 +17,15 @@
 //!
 //! Source: Gymnasium 1.4.0, `envs/mujoco/reacher_v5.py` and `_v4.py`; 0.29.1 for version 2.
 
-use gym_core::registry::Clip;
 use gym_core::{Array, Generator, Registration, Result};
 use serde::{Deserialize, Serialize};
 
-use super::Reacher;
 use super::arguments::{Common, TaskArguments};
 use super::cost::ControlCost;
-use super::env;
+use super::env::{self, Visit};
 use super::numpy::norm;
 use super::simulation::{Simulation, uniform_noise, uniform_velocities};
+use super::{Reacher, clip};
 use crate::view::CameraConfig;
 use crate::{Data, libm};
 
@@ -49,15 +48,7 @@ gym_core::arguments! {
     }
 }
 
-impl TaskArguments for Config {
-    fn common(&self) -> &Common {
-        &self.common
-    }
-
-    fn common_mut(&mut self) -> &mut Common {
-        &mut self.common
-    }
-}
+impl TaskArguments for Config {}
 
 /// The task.
 #[derive(Clone, Debug)]
@@ -140,13 +131,7 @@ impl env::Task for Task {
             .chain(self.offset(data).into_iter().take(dimensions))
     }
 
-    fn info(
-        &self,
-        _: &Simulation,
-        _: &Data,
-        step: Option<&Step>,
-        visit: &mut dyn FnMut(&str, f64),
-    ) {
+    fn info(&self, _: &Simulation, _: &Data, step: Option<&Step>, visit: Visit<'_>) {
         if let Some(step) = step {
             visit("reward_dist", -step.distance);
             visit("reward_ctrl", -step.ctrl);
@@ -167,10 +152,5 @@ const fn reacher(id: &'static str) -> Registration {
 gym_core::register!(
     reacher("Reacher-v2"),
     reacher("Reacher-v4"),
-    reacher("Reacher-v5").clip(Clip {
-        seeds: 0..2,
-        every: 2,
-        frames: 60,
-        size: (240, 240)
-    }),
+    reacher("Reacher-v5").clip(clip(2, 60, 240)),
 );

@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 
 use super::arguments::TaskArguments;
 use super::cost::ControlCost;
-use super::env;
+use super::env::{self, Visit};
 use super::range::Range;
 use super::simulation::{Simulation, uniform_noise, uniform_velocities};
 use crate::Data;
@@ -126,13 +126,7 @@ impl<C: RunnerArguments> env::Task for Runner<C> {
         data.qpos.iter().skip(skip).copied().chain(velocities)
     }
 
-    fn info(
-        &self,
-        simulation: &Simulation,
-        data: &Data,
-        step: Option<&Step>,
-        visit: &mut dyn FnMut(&str, f64),
-    ) {
+    fn info(&self, simulation: &Simulation, data: &Data, step: Option<&Step>, visit: Visit<'_>) {
         if self.version >= 5 {
             visit("x_position", data.qpos[0]);
             visit(

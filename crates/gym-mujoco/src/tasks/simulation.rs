@@ -1,14 +1,15 @@
 //! A model, and the settings with which an environment steps it.
 
-use std::sync::{Arc, OnceLock};
+use std::sync::Arc;
 
 use gym_core::spaces::BoxSpace;
 use gym_core::{Array, Error, Generator, Result, Space};
 
 use super::arguments::Common;
+use super::models::load;
 use crate::physics::lanes::{Derived, Stride};
 use crate::view::View;
-use crate::{Data, Model, Revision, forward, physics, step};
+use crate::{Data, Model, forward, physics, step};
 
 /// The constant parts of an environment.
 #[derive(Clone, Debug)]
@@ -163,97 +164,5 @@ pub(super) fn normal_noise(numbers: &mut [f64], scale: f64, rng: &mut Generator)
 pub(super) fn uniform_velocities(numbers: &mut [f64], scale: f64, rng: &mut Generator) {
     for x in numbers {
         *x = rng.uniform(-scale, scale);
-    }
-}
-
-/// A built-in model: its name, its text, and its compiled forms, which are compiled on first use.
-struct BuiltIn {
-    name: &'static str,
-    text: &'static str,
-    /// The compiled model for each of [`Revision::ALL`].
-    models: [OnceLock<Arc<Model>>; 2],
-}
-
-impl BuiltIn {
-    const fn new(name: &'static str, text: &'static str) -> Self {
-        let models = [const { OnceLock::new() }; 2];
-        Self { name, text, models }
-    }
-}
-
-static MODELS: [BuiltIn; 13] = [
-    BuiltIn::new("ant.xml", include_str!("../../models/ant.xml")),
-    BuiltIn::new(
-        "half_cheetah.xml",
-        include_str!("../../models/half_cheetah.xml"),
-    ),
-    BuiltIn::new("hopper.xml", include_str!("../../models/hopper.xml")),
-    BuiltIn::new("humanoid.xml", include_str!("../../models/humanoid.xml")),
-    BuiltIn::new(
-        "humanoidstandup.xml",
-        include_str!("../../models/humanoidstandup.xml"),
-    ),
-    BuiltIn::new(
-        "inverted_double_pendulum.xml",
-        include_str!("../../models/inverted_double_pendulum.xml"),
-    ),
-    BuiltIn::new(
-        "inverted_pendulum.xml",
-        include_str!("../../models/inverted_pendulum.xml"),
-    ),
-    BuiltIn::new("pusher.xml", include_str!("../../models/pusher.xml")),
-    BuiltIn::new("pusher_v5.xml", include_str!("../../models/pusher_v5.xml")),
-    BuiltIn::new("reacher.xml", include_str!("../../models/reacher.xml")),
-    BuiltIn::new("swimmer.xml", include_str!("../../models/swimmer.xml")),
-    BuiltIn::new("walker2d.xml", include_str!("../../models/walker2d.xml")),
-    BuiltIn::new(
-        "walker2d_v5.xml",
-        include_str!("../../models/walker2d_v5.xml"),
-    ),
-];
-
-/// The names and the MJCF texts of the built-in models.
-pub fn models() -> impl Iterator<Item = (&'static str, &'static str)> {
-    MODELS.iter().map(|built_in| (built_in.name, built_in.text))
-}
-
-/// Loads a model for a revision of the engine. `xml_file` is the name of a built-in model, the path
-/// of a file (it begins with `.`, `/` or `~`), or the text of a model (it begins with `<`).
-///
-/// # Errors
-/// [`Error::InvalidArgument`] for an unknown name, a file that cannot be read, and one that is not
-/// a model.
-pub fn load(xml_file: &str, revision: Revision) -> Result<Arc<Model>> {
-    let wrong = |error: crate::Error| Error::argument("xml_file", error.to_string());
-    if xml_file.starts_with('<') {
-        let model = Model::from_xml_with(xml_file, revision);
-        return model.map(Arc::new).map_err(wrong);
-    }
-    if xml_file.starts_with(['.', '/', '~']) {
-        let path = match (xml_file.strip_prefix("~/"), std::env::home_dir()) {
-            (Some(rest), Some(home)) => home.join(rest),
-            _ => xml_file.into(),
-        };
-        return Model::from_path_with(path, revision)
-            .map(Arc::new)
-            .map_err(wrong);
-    }
-    let Some(built_in) = MODELS.iter().find(|built_in| built_in.name == xml_file) else {
-        let names: Vec<&str> = MODELS.iter().map(|built_in| built_in.name).collect();
-        let reason = format!(
-            "there is no built-in model {xml_file:?}: the models are {}; a file's path begins with `.`, `/` or `~`",
-            names.join(", ")
-        );
-        return Err(Error::argument("xml_file", reason));
-    };
-    let compiled = &built_in.models[revision as usize];
-    match compiled.get() {
-        Some(model) => Ok(Arc::clone(model)),
-        None => {
-            let model = Model::from_xml_with(built_in.text, revision)
-                .map(Arc::new)
-                .map_err(wrong)?;
-            Ok(Arc::clone(compiled.get_or_init(|| model)))
-        }
     }
 }

@@ -18,16 +18,15 @@
 //!
 //! Source: Gymnasium 1.4.0, `envs/mujoco/swimmer_v5.py` and `_v4.py`; 0.29.1 for versions 2 and 3.
 
-use gym_core::registry::Clip;
 use gym_core::{Array, Generator, Registration, Result};
 use serde::{Deserialize, Serialize};
 
-use super::Swimmer;
 use super::arguments::{Common, TaskArguments};
 use super::cost::ControlCost;
-use super::env;
-use super::numpy::norm;
+use super::env::{self, Visit};
+use super::motion::visit_motion;
 use super::simulation::{Simulation, uniform_noise, uniform_velocities};
+use super::{Swimmer, clip};
 use crate::Data;
 use crate::physics::lanes::Derived;
 use crate::view::CameraConfig;
@@ -53,19 +52,7 @@ gym_core::arguments! {
     }
 }
 
-impl TaskArguments for Config {
-    fn common(&self) -> &Common {
-        &self.common
-    }
-
-    fn common_mut(&mut self) -> &mut Common {
-        &mut self.common
-    }
-
-    fn reset_noise_scale(&self) -> f64 {
-        self.reset_noise_scale
-    }
-}
+impl TaskArguments for Config {}
 
 /// The task.
 #[derive(Clone, Debug)]
@@ -122,34 +109,14 @@ impl env::Task for Task {
     }
 
     fn observe(&self, _simulation: &Simulation, data: &Data) -> impl Iterator<Item = f64> {
-        let skip = if self.config.exclude_current_positions_from_observation {
-            2
-        } else {
-            0
-        };
+        let skip = 2 * usize::from(self.config.exclude_current_positions_from_observation);
         data.qpos.iter().skip(skip).chain(&data.qvel).copied()
     }
 
-    fn info(
-        &self,
-        _: &Simulation,
-        data: &Data,
-        step: Option<&Step>,
-        visit: &mut dyn FnMut(&str, f64),
-    ) {
-        let place = |visit: &mut dyn FnMut(&str, f64)| {
-            if self.version >= 5 || (self.version >= 3 && step.is_some()) {
-                visit("x_position", data.qpos[0]);
-                visit("y_position", data.qpos[1]);
-                visit("distance_from_origin", norm(self.version, &data.qpos[..2]));
-            }
-            if let (3.., Some(step)) = (self.version, step) {
-                visit("x_velocity", step.velocity[0]);
-                visit("y_velocity", step.velocity[1]);
-            }
-        };
+    fn info(&self, _: &Simulation, data: &Data, step: Option<&Step>, visit: Visit<'_>) {
+        let motion = step.map(|step| ([data.qpos[0], data.qpos[1]], step.velocity));
         if self.version >= 5 {
-            place(visit);
+            visit_motion(self.version, data, motion, visit);
         }
         let Some(step) = step else { return };
         let forward = if self.version >= 5 {
@@ -160,7 +127,7 @@ impl env::Task for Task {
         visit(forward, step.forward);
         visit("reward_ctrl", -step.ctrl);
         if self.version < 5 {
-            place(visit);
+            visit_motion(self.version, data, motion, visit);
         }
         if matches!(self.version, 3 | 4) {
             visit("forward_reward", step.forward);
@@ -182,10 +149,5 @@ gym_core::register!(
     swimmer("Swimmer-v2"),
     swimmer("Swimmer-v3"),
     swimmer("Swimmer-v4"),
-    swimmer("Swimmer-v5").clip(Clip {
-        seeds: 0..2,
-        every: 3,
-        frames: 60,
-        size: (240, 240)
-    }),
+    swimmer("Swimmer-v5").clip(clip(3, 60, 240)),
 );

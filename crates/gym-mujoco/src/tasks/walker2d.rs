@@ -20,12 +20,11 @@
 //! Source: Gymnasium 1.4.0, `envs/mujoco/walker2d_v5.py` and `_v4.py`; 0.29.1 for versions 2 and 3.
 
 use gym_core::Registration;
-use gym_core::registry::Clip;
 
-use super::Walker2d;
 use super::arguments::{Common, TaskArguments};
 use super::range::Range;
 use super::runner::{Runner, RunnerArguments, Settings};
+use super::{Walker2d, clip};
 use crate::Revision;
 use crate::view::CameraConfig;
 
@@ -78,18 +77,6 @@ impl TaskArguments for Config {
         }
         config
     }
-
-    fn common(&self) -> &Common {
-        &self.common
-    }
-
-    fn common_mut(&mut self) -> &mut Common {
-        &mut self.common
-    }
-
-    fn reset_noise_scale(&self) -> f64 {
-        self.reset_noise_scale
-    }
 }
 
 impl RunnerArguments for Config {
@@ -121,10 +108,5 @@ gym_core::register!(
     walker2d("Walker2d-v2"),
     walker2d("Walker2d-v3"),
     walker2d("Walker2d-v4"),
-    walker2d("Walker2d-v5").clip(Clip {
-        seeds: 0..2,
-        every: 3,
-        frames: 40,
-        size: (240, 240)
-    }),
+    walker2d("Walker2d-v5").clip(clip(3, 40, 240)),
 );

@@ -3,8 +3,8 @@
 use gym_core::canvas::{Canvas, Color, Point, Segment, Shape};
 
 use super::camera::{Camera, NEAR};
-use super::color_of;
 use super::shapes::lit;
+use super::{Scene, color_of};
 use crate::model::GeomType;
 use crate::physics::spatial::{Vec3, add_scaled, column, dot, sub};
 use crate::{Data, Model, libm};
@@ -54,20 +54,20 @@ fn horizon(camera: &Camera) -> f64 {
 }
 
 /// Draws the floor up to the horizon, with dark squares around the focus that fade out.
-pub(super) fn draw(
-    camera: &Camera,
-    height: f64,
-    rgba: [f64; 4],
-    size: Vec3,
-    canvas: &mut dyn Canvas,
-) {
+pub(super) fn draw(scene: &Scene<'_>, g: usize, canvas: &mut dyn Canvas) {
     // at this distance, the squares are too small for `f64` coordinates
     const FARTHEST: f64 = 1e12;
+    let (camera, size) = (&scene.camera, scene.model.geom_size[g]);
+    let height = scene.data.geom_xpos[g][2];
     let visible = camera.pos[2] > height && camera.focus.iter().all(|x| x.abs() < FARTHEST);
     if !visible {
         return;
     }
-    let light = blend(super::rgba(rgba), Color::rgb(206, 216, 226), 0.6);
+    let light = blend(
+        super::rgba(scene.model.geom_rgba[g]),
+        Color::rgb(206, 216, 226),
+        0.6,
+    );
     let dark = blend(light, Color::rgb(70, 92, 124), 0.32);
     let [width, picture_height] = camera.size;
     let horizon = horizon(camera).clamp(0.0, picture_height);
@@ -133,13 +133,12 @@ fn on_screen(polygon: &[Point], [width, height]: [f64; 2]) -> bool {
 }
 
 /// Draws the shadows of all shapes under a light straight above, in one shade.
-pub(super) fn shadows(
-    camera: &Camera,
-    model: &Model,
-    data: &Data,
-    height: f64,
-    canvas: &mut dyn Canvas,
-) {
+pub(super) fn shadows(scene: &Scene<'_>, height: f64, canvas: &mut dyn Canvas) {
+    let Scene {
+        camera,
+        model,
+        data,
+    } = scene;
     if camera.pos[2] <= height {
         return;
     }
@@ -213,7 +212,12 @@ fn solid_outline(model: &Model, data: &Data, g: usize, height: f64) -> [Vec3; CO
 }
 
 /// Draws a bounded plane that is not the floor, if the camera is on the side of its normal.
-pub(super) fn wall(camera: &Camera, model: &Model, data: &Data, g: usize, canvas: &mut dyn Canvas) {
+pub(super) fn wall(scene: &Scene<'_>, g: usize, canvas: &mut dyn Canvas) {
+    let Scene {
+        camera,
+        model,
+        data,
+    } = scene;
     let (center, mat, size) = (data.geom_xpos[g], &data.geom_xmat[g], model.geom_size[g]);
     let normal = column(mat, 2);
     if dot(normal, sub(camera.pos, center)) <= 0.0 {

@@ -215,51 +215,52 @@ impl View {
 
     /// Draws a state.
     pub fn draw(&self, model: &Model, data: &Data, size: (u32, u32), canvas: &mut dyn Canvas) {
-        let camera = self.camera(data, size);
+        let scene = &self.scene(model, data, size);
         let geoms = (0..model.ngeom()).take(self.max_geom);
-        floor::sky(&camera, canvas);
+        floor::sky(&scene.camera, canvas);
         let floor = floor_of(model, data, self.max_geom);
         if let Some(g) = floor {
-            let height = data.geom_xpos[g][2];
-            floor::draw(
-                &camera,
-                height,
-                model.geom_rgba[g],
-                model.geom_size[g],
-                canvas,
-            );
-            floor::shadows(&camera, model, data, height, canvas);
+            floor::draw(scene, g, canvas);
+            floor::shadows(scene, data.geom_xpos[g][2], canvas);
         }
         for g in geoms
             .clone()
             .filter(|g| is_wall(model, *g) && floor != Some(*g))
         {
-            floor::wall(&camera, model, data, g, canvas);
+            floor::wall(scene, g, canvas);
         }
-        shapes::strings(&camera, model, data, canvas);
+        shapes::strings(scene, canvas);
         let mut solids: Vec<(f64, usize)> = geoms
             .filter(|g| model.geom_type[*g] != GeomType::Plane && color_of(model, *g).a > 0)
             .map(|g| {
-                (
-                    camera.depth(data.geom_xpos[g]) - shapes::nearness(model, data, g, &camera),
-                    g,
-                )
+                let depth = scene.camera.depth(data.geom_xpos[g]);
+                (depth - shapes::nearness(scene, g), g)
             })
             .collect();
         solids.sort_by(|a, b| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1)));
         for (_, g) in solids {
-            shapes::draw(&camera, model, data, g, color_of(model, g), canvas);
+            shapes::draw(scene, g, canvas);
         }
         for s in 0..model.nsite() {
-            shapes::marker(
-                &camera,
-                data.site_xpos[s],
-                model.site_size[s][0],
-                rgba(model.site_rgba[s]),
-                canvas,
-            );
+            shapes::marker(scene, s, canvas);
         }
     }
+
+    fn scene<'a>(&self, model: &'a Model, data: &'a Data, size: (u32, u32)) -> Scene<'a> {
+        let camera = self.camera(data, size);
+        Scene {
+            camera,
+            model,
+            data,
+        }
+    }
+}
+
+/// A state, and the camera that sees it.
+struct Scene<'a> {
+    camera: Camera,
+    model: &'a Model,
+    data: &'a Data,
 }
 
 /// Whether a geom is a bounded plane. Of the other planes, only the floor is drawn.
@@ -361,26 +362,20 @@ impl Own {
         let body = self.body;
         let place = add(data.xpos[body], rotate(&data.xmat[body], self.pos));
         match self.mode {
-            1 => Camera::new(
-                add(data.xpos[body], self.from_body),
-                &self.mat0,
-                self.fovy,
-                size,
-            ),
-            2 => Camera::new(
-                add(data.subtree_com[body], self.from_com),
-                &self.mat0,
-                self.fovy,
-                size,
-            ),
+            1 => {
+                let place = add(data.xpos[body], self.from_body);
+                Camera::new(place, &self.mat0, self.fovy, size)
+            }
+            2 => {
+                let place = add(data.subtree_com[body], self.from_com);
+                Camera::new(place, &self.mat0, self.fovy, size)
+            }
             3 => Camera::towards(place, data.xpos[self.target], self.fovy, size),
             4 => Camera::towards(place, data.subtree_com[self.target], self.fovy, size),
-            _ => Camera::new(
-                place,
-                &InTurn::quat_to_mat(InTurn::mul_quat(data.xquat[body], self.quat)),
-                self.fovy,
-                size,
-            ),
+            _ => {
+                let axes = InTurn::quat_to_mat(InTurn::mul_quat(data.xquat[body], self.quat));
+                Camera::new(place, &axes, self.fovy, size)
+            }
         }
     }
 }

@@ -8,10 +8,10 @@ use gym_core::canvas::{Canvas, Color, Point};
 
 use super::camera::{Camera, NEAR};
 use super::floor::blend;
-use super::solids;
+use super::{Scene, color_of, rgba, solids};
+use crate::libm;
 use crate::model::{GeomType, WrapType};
 use crate::physics::spatial::{Vec3, add, add_scaled, column, dot, scale, sub};
-use crate::{Data, Model, libm};
 
 /// The direction to the light: above, and a little to the left and the front of most cameras.
 pub(super) const LIGHT: Vec3 = [-0.37, -0.46, 0.81];
@@ -19,13 +19,13 @@ pub(super) const LAYERS: usize = 9;
 const ARC: usize = 14;
 
 /// The difference in depth between a shape's centre and its nearest point.
-pub(super) fn nearness(model: &Model, data: &Data, g: usize, camera: &Camera) -> f64 {
-    let [radius, half, _] = model.geom_size[g];
-    let axis = dot(column(&data.geom_xmat[g], 2), camera.ahead).abs();
-    match model.geom_type[g] {
+pub(super) fn nearness(scene: &Scene<'_>, g: usize) -> f64 {
+    let [radius, half, _] = scene.model.geom_size[g];
+    let axis = dot(column(&scene.data.geom_xmat[g], 2), scene.camera.ahead).abs();
+    match scene.model.geom_type[g] {
         GeomType::Capsule | GeomType::Cylinder => radius + 0.3 * half * axis,
         GeomType::Ellipsoid | GeomType::Box => {
-            let [x, y, z] = model.geom_size[g];
+            let [x, y, z] = scene.model.geom_size[g];
             x.min(y).min(z)
         }
         _ => radius,
@@ -33,14 +33,13 @@ pub(super) fn nearness(model: &Model, data: &Data, g: usize, camera: &Camera) ->
 }
 
 /// Draws a geom.
-pub(super) fn draw(
-    camera: &Camera,
-    model: &Model,
-    data: &Data,
-    g: usize,
-    color: Color,
-    canvas: &mut dyn Canvas,
-) {
+pub(super) fn draw(scene: &Scene<'_>, g: usize, canvas: &mut dyn Canvas) {
+    let Scene {
+        camera,
+        model,
+        data,
+    } = scene;
+    let color = color_of(model, g);
     let [radius, half, _] = model.geom_size[g];
     let center = data.geom_xpos[g];
     let axis = column(&data.geom_xmat[g], 2);
@@ -53,28 +52,29 @@ pub(super) fn draw(
         GeomType::Sphere => round(camera, [center; 2], radius, color, canvas),
         GeomType::Capsule => round(camera, ends, radius, color, canvas),
         GeomType::Cylinder => cylinder(camera, ends, &data.geom_xmat[g], radius, color, canvas),
-        GeomType::Ellipsoid => solids::ellipsoid(camera, model, data, g, color, canvas),
-        GeomType::Box => solids::cuboid(camera, model, data, g, color, canvas),
+        GeomType::Ellipsoid => solids::ellipsoid(scene, g, color, canvas),
+        GeomType::Box => solids::cuboid(scene, g, color, canvas),
     }
 }
 
-/// Draws a small ball, such as a site.
-pub(super) fn marker(
-    camera: &Camera,
-    center: Vec3,
-    radius: f64,
-    color: Color,
-    canvas: &mut dyn Canvas,
-) {
+/// Draws a site as a ball.
+pub(super) fn marker(scene: &Scene<'_>, s: usize, canvas: &mut dyn Canvas) {
+    let color = rgba(scene.model.site_rgba[s]);
     if color.a > 0 {
-        round(camera, [center; 2], radius, color, canvas);
+        let (center, radius) = (scene.data.site_xpos[s], scene.model.site_size[s][0]);
+        round(&scene.camera, [center; 2], radius, color, canvas);
     }
 }
 
 /// Draws the straight parts of spatial tendons, from site to site.
-pub(super) fn strings(camera: &Camera, model: &Model, data: &Data, canvas: &mut dyn Canvas) {
+pub(super) fn strings(scene: &Scene<'_>, canvas: &mut dyn Canvas) {
     const RADIUS: f64 = 0.003; // MuJoCo's default `width`
     const COLOR: Color = Color::rgb(128, 128, 128);
+    let Scene {
+        camera,
+        model,
+        data,
+    } = scene;
     let site = |w: usize| match model.wrap_type[w] {
         WrapType::Site => usize::try_from(model.wrap_objid[w]).ok(),
         _ => None,

@@ -2,23 +2,18 @@
 
 use gym_core::canvas::{Canvas, Color, Point};
 
-use super::camera::{Camera, NEAR};
+use super::Scene;
+use super::camera::NEAR;
 use super::shapes::{LAYERS, LIGHT, lit, shade};
+use crate::libm;
 use crate::physics::spatial::{
     Vec3, add, add_scaled, column, cross, dot, normalize, rotate, rotate_back, scale, sub,
 };
-use crate::{Data, Model, libm};
 
 /// Draws a box: its visible faces, shaded by their direction to the light.
-pub(super) fn cuboid(
-    camera: &Camera,
-    model: &Model,
-    data: &Data,
-    g: usize,
-    color: Color,
-    canvas: &mut dyn Canvas,
-) {
-    let (center, mat, size) = (data.geom_xpos[g], &data.geom_xmat[g], model.geom_size[g]);
+pub(super) fn cuboid(scene: &Scene<'_>, g: usize, color: Color, canvas: &mut dyn Canvas) {
+    let (camera, size) = (&scene.camera, scene.model.geom_size[g]);
+    let (center, mat) = (scene.data.geom_xpos[g], &scene.data.geom_xmat[g]);
     let half: [Vec3; 3] = std::array::from_fn(|k| scale(column(mat, k), size[k]));
     for axis in 0..3 {
         for side in [1.0, -1.0] {
@@ -39,16 +34,10 @@ pub(super) fn cuboid(
 }
 
 /// Draws an ellipsoid as nested outlines, as for round shapes.
-pub(super) fn ellipsoid(
-    camera: &Camera,
-    model: &Model,
-    data: &Data,
-    g: usize,
-    color: Color,
-    canvas: &mut dyn Canvas,
-) {
+pub(super) fn ellipsoid(scene: &Scene<'_>, g: usize, color: Color, canvas: &mut dyn Canvas) {
     const CORNERS: usize = 28;
-    let (center, mat, size) = (data.geom_xpos[g], &data.geom_xmat[g], model.geom_size[g]);
+    let (camera, size) = (&scene.camera, scene.model.geom_size[g]);
+    let (center, mat) = (scene.data.geom_xpos[g], &scene.data.geom_xmat[g]);
     if camera.depth(center) < NEAR + size[0].max(size[1]).max(size[2]) {
         return;
     }

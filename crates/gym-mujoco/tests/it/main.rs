@@ -3,6 +3,7 @@
 mod adversarial;
 mod changes;
 mod common;
+mod compiled;
 mod contacts;
 mod episodes;
 mod features;

@@ -85,6 +85,19 @@ fn each_version_takes_its_own_arguments() {
     builder("Ant-v5").arg("main_body", "aux_1").build().unwrap();
 }
 
+/// JSON has no infinity and no NaN, but a program can pass them.
+#[test]
+fn noise_without_bounds_is_refused() {
+    for reset_noise_scale in [f64::INFINITY, f64::NAN] {
+        let config = gym_mujoco::tasks::ant::Config {
+            reset_noise_scale,
+            ..Default::default()
+        };
+        let error = gym_mujoco::Ant::new(config).unwrap_err().to_string();
+        assert!(error.contains("reset_noise_scale"), "{error}");
+    }
+}
+
 #[test]
 fn bad_arguments_say_what_is_wrong() {
     for (id, name, value, said) in [

@@ -336,8 +336,8 @@ fn single_precision_is_the_platforms() {
     }
 }
 
-/// glibc's function is not correctly rounded for 1 argument in 1100. No result depends on this,
-/// because angles are only compared.
+/// glibc's function is not correctly rounded for 1 argument in 1100. No registered environment
+/// depends on this; models of MuJoCo with limited balls do.
 #[expect(clippy::disallowed_methods, reason = "these are what is compared with")]
 #[test]
 fn arc_tangents_are_the_platforms_within_a_unit() {

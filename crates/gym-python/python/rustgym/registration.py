@@ -12,7 +12,7 @@ from gymnasium import VectorizeMode, logger
 from gymnasium.envs.registration import EnvSpec, get_env_id
 from gymnasium.envs.registration import registry as gymnasium_registry
 
-from rustgym._specs import SPECS, entry_point
+from rustgym._specs import SPECS, entry_point, native
 
 __all__ = ["ids", "make", "make_vec", "namespaced", "pprint_registry", "register", "registry", "spec"]
 
@@ -100,6 +100,12 @@ class Registry(MutableMapping[str, EnvSpec]):
         return spec
 
 
+    def is_ours_alone(self, namespace: str) -> bool:
+        """Whether this package has environments of a namespace of which Gymnasium knows nothing."""
+        ours, theirs = ({spec.namespace for spec in specs.values()} for specs in (self._ours, gymnasium_registry))
+        return namespace in ours - theirs
+
+
 #: The registry that ``rustgym.make`` uses.
 registry = Registry()
 
@@ -140,7 +146,12 @@ def register(id: str | None = None, *args: Any, replace: bool = False, **kwargs:
 
 def _ours(env_id: Any) -> Any:
     """This package's spec of an id, with or without version; otherwise ``env_id`` itself."""
-    return (registry.find(env_id) or env_id) if isinstance(env_id, str) else env_id
+    if not isinstance(env_id, str):
+        return env_id
+    found = registry.find(env_id)
+    if found is None and registry.is_ours_alone(env_id.rpartition("/")[0]):
+        native.describe(env_id)  # raises, and says what is near the name
+    return found or env_id
 
 
 def _like(function: Callable[..., Any]) -> Callable[[_Function], _Function]:

@@ -106,24 +106,21 @@ fn an_unregistered_environment_is_checked_as_well() {
 #[test]
 fn a_limit_that_is_lost_on_the_way_is_seen_without_a_registration() {
     #[derive(Clone, Debug)]
-    struct Overrides(BoxEnv, bool);
+    struct Overrides {
+        inner: BoxEnv,
+        is_truncated: bool,
+    }
     impl gym_core::Wrapper for Overrides {
-        type Inner = BoxEnv;
         type Observation = Value;
         type Action = Value;
-        fn inner(&self) -> &BoxEnv {
-            &self.0
-        }
-        fn inner_mut(&mut self) -> &mut BoxEnv {
-            &mut self.0
-        }
+        gym_core::inner!(BoxEnv);
         fn on_reset(&mut self, reset: &Reset, observation: &mut Value) -> Result<()> {
-            self.0.reset_into(reset, observation)
+            self.inner.reset_into(reset, observation)
         }
         fn on_step(&mut self, action: &Value, observation: &mut Value) -> Result<Outcome> {
-            let outcome = self.0.step_into(action, observation)?;
+            let outcome = self.inner.step_into(action, observation)?;
             Ok(Outcome {
-                truncated: outcome.truncated && self.1,
+                truncated: outcome.truncated && self.is_truncated,
                 ..outcome
             })
         }
@@ -134,7 +131,10 @@ fn a_limit_that_is_lost_on_the_way_is_seen_without_a_registration() {
                 broken_envs::Fault::None,
             )?);
             let limited = BoxEnv::new(TimeLimit::new(walk, 9)?);
-            Ok(BoxEnv::new(Overrides(limited, is_truncated)))
+            Ok(BoxEnv::new(Overrides {
+                inner: limited,
+                is_truncated,
+            }))
         });
         findings
             .iter()
@@ -163,31 +163,24 @@ enum Ends {
 /// A wrapper without a stored form: a check can learn its limit only from its episodes.
 #[derive(Clone, Debug)]
 struct Own {
-    env: BoxEnv,
+    inner: BoxEnv,
     ends: Ends,
     steps: u32,
 }
 
 impl gym_core::Wrapper for Own {
-    type Inner = BoxEnv;
     type Observation = Value;
     type Action = Value;
 
-    fn inner(&self) -> &BoxEnv {
-        &self.env
-    }
-
-    fn inner_mut(&mut self) -> &mut BoxEnv {
-        &mut self.env
-    }
+    gym_core::inner!(BoxEnv);
 
     fn on_reset(&mut self, reset: &Reset, observation: &mut Value) -> Result<()> {
         self.steps = 0;
-        self.env.reset_into(reset, observation)
+        self.inner.reset_into(reset, observation)
     }
 
     fn on_step(&mut self, action: &Value, observation: &mut Value) -> Result<Outcome> {
-        let mut outcome = self.env.step_into(action, observation)?;
+        let mut outcome = self.inner.step_into(action, observation)?;
         self.steps += 1;
         match self.ends {
             Ends::After(steps) => outcome.truncated |= self.steps >= steps,
@@ -198,7 +191,7 @@ impl gym_core::Wrapper for Own {
                 outcome.truncated |= seen.is_some_and(|seen| seen[0] > place);
             }
             Ends::Resets | Ends::ResetsInside if outcome.done() => {
-                self.env.reset_into(&Reset::default(), observation)?;
+                self.inner.reset_into(&Reset::default(), observation)?;
                 if self.ends == Ends::ResetsInside {
                     (outcome.terminated, outcome.truncated) = (false, false);
                 }
@@ -207,7 +200,7 @@ impl gym_core::Wrapper for Own {
             Ends::Repeats(times) => {
                 for _ in 1..times {
                     if !outcome.done() {
-                        outcome = self.env.step_into(action, observation)?;
+                        outcome = self.inner.step_into(action, observation)?;
                     }
                 }
             }
@@ -216,12 +209,12 @@ impl gym_core::Wrapper for Own {
     }
 
     fn on_snapshot(&self) -> Result<gym_core::Snapshot> {
-        gym_core::Snapshot::of(&(self.env.snapshot()?, self.steps))
+        gym_core::Snapshot::of(&(self.inner.snapshot()?, self.steps))
     }
 
     fn on_restore(&mut self, snapshot: &gym_core::Snapshot) -> Result<()> {
         let (env, steps) = snapshot.get()?;
-        self.env.restore(&env)?;
+        self.inner.restore(&env)?;
         self.steps = steps;
         Ok(())
     }
@@ -239,7 +232,7 @@ fn wrappers_that_end_episodes_by_themselves_are_seen() {
                 env = BoxEnv::new(TimeLimit::new(env, *limit)?);
             }
             Ok(BoxEnv::new(Own {
-                env,
+                inner: env,
                 ends,
                 steps: 0,
             }))
@@ -265,7 +258,7 @@ fn wrappers_that_end_episodes_by_themselves_are_seen() {
         gym_conform::check(|| {
             let env = gym_core::make("broken/none-v0")?;
             Ok(BoxEnv::new(Own {
-                env,
+                inner: env,
                 ends,
                 steps: 0,
             }))

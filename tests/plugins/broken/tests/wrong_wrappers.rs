@@ -43,7 +43,7 @@ enum Fault {
 /// Counts steps, and pays a little for each step.
 #[derive(Debug)]
 struct Counts {
-    env: BoxEnv,
+    inner: BoxEnv,
     fault: Fault,
     count: Arc<AtomicU32>,
     has_begun: bool,
@@ -53,7 +53,7 @@ impl Counts {
     fn new(env: BoxEnv, fault: Fault) -> Self {
         let count = Arc::default();
         Self {
-            env,
+            inner: env,
             fault,
             count,
             has_begun: false,
@@ -72,7 +72,7 @@ impl Clone for Counts {
             _ => Arc::new(self.count().into()),
         };
         Self {
-            env: self.env.clone(),
+            inner: self.inner.clone(),
             count,
             ..*self
         }
@@ -80,17 +80,10 @@ impl Clone for Counts {
 }
 
 impl Wrapper for Counts {
-    type Inner = BoxEnv;
     type Observation = Value;
     type Action = Value;
 
-    fn inner(&self) -> &BoxEnv {
-        &self.env
-    }
-
-    fn inner_mut(&mut self) -> &mut BoxEnv {
-        &mut self.env
-    }
+    gym_core::inner!(BoxEnv);
 
     fn on_reset(&mut self, reset: &Reset, observation: &mut Value) -> Result<()> {
         let drops = self.fault == Fault::Seed && self.has_begun;
@@ -98,7 +91,7 @@ impl Wrapper for Counts {
             seed: reset.seed.clone().filter(|_| !drops),
             ..reset.clone()
         };
-        self.env.reset_into(&reset, observation)?;
+        self.inner.reset_into(&reset, observation)?;
         if self.fault != Fault::Reset {
             self.count.store(0, Ordering::Relaxed);
         }
@@ -115,7 +108,7 @@ impl Wrapper for Counts {
         if self.fault == Fault::Refusal {
             self.count.fetch_add(1, Ordering::Relaxed);
         }
-        let mut outcome = self.env.step_into(action, observation)?;
+        let mut outcome = self.inner.step_into(action, observation)?;
         if self.fault != Fault::Refusal {
             self.count.fetch_add(1, Ordering::Relaxed);
         }
@@ -137,14 +130,14 @@ impl Wrapper for Counts {
     }
 
     fn on_info(&self, visit: &mut dyn FnMut(&str, Value)) {
-        self.env.info(visit);
+        self.inner.info(visit);
         if self.fault != Fault::Info || self.count().is_multiple_of(2) {
             visit("count", Value::Int(self.count().into()));
         }
     }
 
     fn on_draw(&self, canvas: &mut dyn Canvas) {
-        self.env.draw(canvas);
+        self.inner.draw(canvas);
         if self.fault == Fault::Draw {
             canvas.push(Transform::IDENTITY);
         }
@@ -153,7 +146,7 @@ impl Wrapper for Counts {
     fn on_generator(&mut self) -> Option<&mut Generator> {
         match self.fault {
             Fault::Generator => None,
-            _ => self.env.generator(),
+            _ => self.inner.generator(),
         }
     }
 
@@ -162,7 +155,7 @@ impl Wrapper for Counts {
             Fault::Snapshot => 0,
             _ => self.count(),
         };
-        Snapshot::of(&(self.env.snapshot()?, count, self.has_begun))
+        Snapshot::of(&(self.inner.snapshot()?, count, self.has_begun))
     }
 
     fn on_restore(&mut self, snapshot: &Snapshot) -> Result<()> {
@@ -170,14 +163,14 @@ impl Wrapper for Counts {
         if count > 1_000_000 {
             return Err(Error::Snapshot("no episode is so long".into()));
         }
-        self.env.restore(&env)?;
+        self.inner.restore(&env)?;
         self.count.store(count, Ordering::Relaxed);
         self.has_begun = has_begun;
         Ok(())
     }
 
     fn on_close(&mut self) {
-        self.env.close();
+        self.inner.close();
     }
 }
 

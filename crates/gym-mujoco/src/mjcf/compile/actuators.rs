@@ -111,11 +111,7 @@ fn inherited(
     let id = usize::try_from(id).unwrap_or(0);
     let range = match kind {
         TransmissionType::Tendon => m.tendon_range[id],
-        TransmissionType::Joint
-            if matches!(m.jnt_type[id], JointType::Slide | JointType::Hinge) =>
-        {
-            m.jnt_range[id]
-        }
+        TransmissionType::Joint if m.jnt_type[id].is_scalar() => m.jnt_range[id],
         _ => [0.0; 2],
     };
     if range[0] == range[1] {

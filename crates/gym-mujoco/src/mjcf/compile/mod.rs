@@ -2,12 +2,14 @@
 
 mod actuators;
 mod bodies;
+mod geoms;
+mod joints;
 mod relations;
 
 use std::collections::HashSet;
 
 use super::inertia::MINVAL;
-use super::orientation::within;
+use super::orientation::{IDENTITY, turned, within};
 use super::spec::{Spec, Statistic};
 use super::xml::Place;
 use crate::model::{CompiledModel, mark_simple, with_constants};
@@ -144,14 +146,14 @@ fn add_looks(m: &mut CompiledModel, spec: &Spec) -> Result<()> {
     }
     for light in spec.bodies.iter().flat_map(|body| &body.lights) {
         m.light_type.push(u8::from(light.directional));
-        let (pos, _) = within(light.frame, (light.pos, [1.0, 0.0, 0.0, 0.0]));
+        let (pos, _) = within(light.frame, (light.pos, IDENTITY));
         m.light_pos.push(pos);
-        m.light_dir.push(bodies::turned(light.frame, light.dir));
+        m.light_dir.push(turned(light.frame, light.dir));
     }
     m.mat_rgba = spec
         .materials
         .iter()
-        .map(|material| bodies::single(material.rgba))
+        .map(|material| geoms::single(material.rgba))
         .collect();
     Ok(())
 }

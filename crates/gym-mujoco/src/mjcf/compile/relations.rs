@@ -3,7 +3,9 @@
 use crate::mjcf::orientation::unit;
 use crate::mjcf::spec::{Key, Spec, Wrap};
 use crate::mjcf::xml::Place;
-use crate::model::{CompiledModel, EqualityType, GeomType, JointType, ObjectType, WrapType};
+use crate::model::{
+    CompiledModel, EqualityType, GeomType, JointType, ObjectType, WrapType, signature,
+};
 use crate::physics::spatial::{InTurn, Order};
 use crate::{Result, Revision};
 
@@ -27,7 +29,7 @@ pub(super) fn scalar_joint(
     name: &str,
 ) -> Result<usize> {
     let id = named(place, attribute, "joint", &m.names.joint, name)?;
-    if matches!(m.jnt_type[id], JointType::Slide | JointType::Hinge) {
+    if m.jnt_type[id].is_scalar() {
         return Ok(id);
     }
     let reason = format!("{name:?} is free or a ball: only a slide or hinge is supported here");
@@ -49,14 +51,7 @@ pub(super) fn add_excludes(m: &mut CompiledModel, spec: &Spec) -> Result<()> {
     Ok(())
 }
 
-/// MuJoCo's number of a pair of bodies.
-fn signature([b1, b2]: [usize; 2]) -> u32 {
-    let (first, second) = (b1.min(b2), b1.max(b2));
-    ((first as u32) << 16) + second as u32
-}
-
-/// Adds the pairs of geoms, sorted by their bodies. Parameters that a pair does not give are mixed
-/// from its geoms.
+/// Adds the pairs of geoms, sorted by their bodies.
 pub(super) fn add_pairs(m: &mut CompiledModel, spec: &Spec) -> Result<()> {
     let mut pairs = Vec::new();
     for pair in &spec.pairs {
@@ -77,29 +72,15 @@ pub(super) fn add_pairs(m: &mut CompiledModel, spec: &Spec) -> Result<()> {
     }
     pairs.sort_by_key(|(signature, ..)| *signature);
     for (_, g1, g2, pair) in pairs {
-        let mixed = m.mixed(g1, g2);
-        let [slide, spin, roll] = mixed.friction;
-        let friction = pair.friction.unwrap_or([slide, slide, spin, roll, roll]);
         m.pair_geom1.push(g1);
         m.pair_geom2.push(g2);
-        m.pair_dim.push(pair.condim.unwrap_or(mixed.dim));
-        m.pair_friction.push(friction);
-        // for geoms of equal priority, MuJoCo 3.12 takes the elementwise minimum, even of numbers
-        // that are stiffness and damping (negative)
-        let solref = if m.revision == Revision::V3_12 && m.geom_priority[g1] == m.geom_priority[g2]
-        {
-            let (a, b) = (m.geom_solref[g1], m.geom_solref[g2]);
-            [a[0].min(b[0]), a[1].min(b[1])]
-        } else {
-            mixed.solref
-        };
-        m.pair_solref.push(pair.solref.unwrap_or(solref));
+        m.pair_dim.push(pair.condim);
+        m.pair_friction.push(pair.friction);
+        m.pair_solref.push(pair.solref);
         m.pair_solreffriction.push(pair.solref_friction);
-        m.pair_solimp.push(pair.solimp.unwrap_or(mixed.solimp));
-        let greater = |numbers: &[f64]| numbers[g1].max(numbers[g2]);
-        m.pair_margin
-            .push(pair.margin.unwrap_or(greater(&m.geom_margin)));
-        m.pair_gap.push(pair.gap.unwrap_or(greater(&m.geom_gap)));
+        m.pair_solimp.push(pair.solimp);
+        m.pair_margin.push(pair.margin);
+        m.pair_gap.push(pair.gap);
     }
     Ok(())
 }
@@ -127,7 +108,7 @@ pub(super) fn add_tendons(m: &mut CompiledModel, spec: &Spec) -> Result<()> {
         // before 4.0, a force range without `limited` does not limit the force
         let old = spec.revision == Revision::V3_12;
         let force_limited = super::limited(
-            tendon.force_limited.or(old.then_some(false)),
+            tendon.force_limited.unwrap_or(old.then_some(false)),
             tendon.force_range,
             spec,
             place,
@@ -253,7 +234,13 @@ pub(super) fn add_equalities(m: &mut CompiledModel, spec: &Spec) -> Result<()> {
         m.eq_active0.push(equality.active);
         m.eq_solref.push(equality.solref);
         m.eq_solimp.push(equality.solimp);
-        m.eq_data.push(equality.data);
+        let mut data = equality.data;
+        if kind == EqualityType::Weld && m.revision == Revision::V4_0 {
+            // 3.12 normalises the relative pose later, as it does in a step
+            let pose = unit([data[6], data[7], data[8], data[9]]).0;
+            data[6..10].copy_from_slice(&pose);
+        }
+        m.eq_data.push(data);
     }
     Ok(())
 }

@@ -12,6 +12,8 @@ with_defaults! {
     /// An actuator.
     struct Actuator {
         place: Place = Place::default(),
+        /// The element that set the parameters, one of the [`KINDS`].
+        kind: &'static str = "general",
         name: Option<String> = None,
         /// The attribute that names the target, and the target's name.
         target: Option<(&'static str, String)> = None,
@@ -53,9 +55,52 @@ pub(crate) const KINDS: [&str; 8] = [
 const TARGETS: [&str; 4] = ["joint", "jointinparent", "tendon", "site"];
 
 impl Actuator {
+    /// Whether an element `kind` can take parameters from these defaults, in 4.0.
+    pub(crate) fn fits(&self, kind: &str) -> bool {
+        let gain = match kind {
+            "damper" => GainType::Affine,
+            "muscle" => GainType::Muscle,
+            _ => GainType::Fixed,
+        };
+        self.kind == kind || self.kind == "general" && self.gain == gain
+    }
+
+    /// Takes from `defaults` the parameters that an element `kind` has, and the initial values of
+    /// all others, as 4.0 does.
+    pub(crate) fn take(&mut self, kind: &str, defaults: &Self) {
+        let initial = Self::default();
+        let servo = matches!(kind, "position" | "intvelocity");
+        let filtered = servo && defaults.dynamics == DynamicsType::FilterExact;
+        let (gain, bias, dynamics) = match kind {
+            "motor" => (0..0, 0..0, 0..0),
+            "position" | "intvelocity" => (0..1, 2..3, 0..usize::from(filtered)),
+            "velocity" => (0..1, 0..0, 0..0),
+            "damper" => (2..3, 0..0, 0..0),
+            "cylinder" => (0..1, 0..3, 0..1),
+            _ => (0..9, 0..0, 0..3),
+        };
+        self.gain = defaults.gain;
+        self.dynamics = if filtered {
+            DynamicsType::FilterExact
+        } else {
+            DynamicsType::None
+        };
+        self.inherit_range = if servo { defaults.inherit_range } else { 0.0 };
+        for (own, kept, initial, defaults) in [
+            (&mut self.gainprm, gain, initial.gainprm, &defaults.gainprm),
+            (&mut self.biasprm, bias, initial.biasprm, &defaults.biasprm),
+            (&mut self.dynprm, dynamics, initial.dynprm, &defaults.dynprm),
+        ] {
+            *own = initial;
+            own[kept.clone()].copy_from_slice(&defaults[kept]);
+        }
+    }
+
     /// Reads an element of one of the [`KINDS`].
     pub(crate) fn read(&mut self, element: &mut Element<'_, '_>) -> Result<()> {
         self.place = element.place();
+        let kind = KINDS.into_iter().find(|kind| *kind == element.name());
+        self.kind = kind.unwrap_or(self.kind);
         for target in TARGETS {
             if let Some(name) = element.text(target) {
                 self.target = Some((target, name));

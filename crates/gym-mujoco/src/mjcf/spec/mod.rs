@@ -34,7 +34,7 @@ pub(crate) use sensor::{Sensor, Target};
 pub(crate) use tendon::{Tendon, Wrap};
 
 use super::xml::Element;
-use crate::model::Options;
+use crate::model::{Options, SOLIMP, SOLREF};
 use crate::{Error, Result, Revision};
 
 /// A whole model.
@@ -219,11 +219,10 @@ fn sequence(text: &str) -> Option<Sequence> {
 const LIMITED: [(&str, Option<bool>); 3] =
     [("auto", None), ("false", Some(false)), ("true", Some(true))];
 
-const SOLREF: [f64; 2] = [0.02, 1.0];
-const SOLIMP: [f64; 5] = [0.9, 0.95, 0.001, 0.5, 2.0];
 const GREY: [f64; 4] = [0.5, 0.5, 0.5, 1.0];
 
-fn replace<T>(value: &mut T, given: Option<T>) {
+/// Replaces a value by the given one, if any.
+pub(crate) fn replace<T>(value: &mut T, given: Option<T>) {
     if let Some(given) = given {
         *value = given;
     }

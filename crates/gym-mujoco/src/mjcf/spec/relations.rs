@@ -28,19 +28,22 @@ impl Exclude {
     }
 }
 
-/// A pair of geoms that collide, and its contact parameters.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub(crate) struct Pair {
-    pub(crate) place: Place,
-    pub(crate) name: Option<String>,
-    pub(crate) geoms: [Option<String>; 2],
-    pub(crate) condim: Option<u8>,
-    pub(crate) friction: Option<[f64; 5]>,
-    pub(crate) solref: Option<[f64; 2]>,
-    pub(crate) solref_friction: [f64; 2],
-    pub(crate) solimp: Option<[f64; 5]>,
-    pub(crate) margin: Option<f64>,
-    pub(crate) gap: Option<f64>,
+with_defaults! {
+    /// A pair of geoms that collide, and its contact parameters. Missing parameters have these
+    /// defaults. MuJoCo's manual says that they are averages of the two geoms' parameters, but
+    /// MuJoCo 3.12 to 4.0.1 never averages them for a model that it reads from XML.
+    struct Pair {
+        place: Place = Place::default(),
+        name: Option<String> = None,
+        geoms: [Option<String>; 2] = [None, None],
+        condim: u8 = 3,
+        friction: [f64; 5] = [1.0, 1.0, 0.005, 0.0001, 0.0001],
+        solref: [f64; 2] = SOLREF,
+        solref_friction: [f64; 2] = [0.0; 2],
+        solimp: [f64; 5] = SOLIMP,
+        margin: f64 = 0.0,
+        gap: f64 = 0.0,
+    }
 }
 
 impl Pair {
@@ -55,24 +58,14 @@ impl Pair {
                     .place
                     .attribute("condim", format!("is {condim}: use 1, 3, 4 or 6")));
             }
-            self.condim = Some(condim);
+            self.condim = condim;
         }
-        let mut friction = self.friction.unwrap_or([1.0, 1.0, 0.005, 0.0001, 0.0001]);
-        if element.up_to("friction", &mut friction)? > 0 {
-            self.friction = Some(friction);
-        }
-        let mut solref = self.solref.unwrap_or(SOLREF);
-        if element.has("solref") {
-            read_solref(element, "solref", &mut solref)?;
-            self.solref = Some(solref);
-        }
+        element.up_to("friction", &mut self.friction)?;
+        read_solref(element, "solref", &mut self.solref)?;
         element.up_to("solreffriction", &mut self.solref_friction)?;
-        let mut solimp = self.solimp.unwrap_or(SOLIMP);
-        if element.up_to("solimp", &mut solimp)? > 0 {
-            self.solimp = Some(solimp);
-        }
-        replace_some(&mut self.margin, element.number("margin")?);
-        replace_some(&mut self.gap, element.number("gap")?);
+        element.up_to("solimp", &mut self.solimp)?;
+        replace(&mut self.margin, element.number("margin")?);
+        replace(&mut self.gap, element.number("gap")?);
         Ok(())
     }
 }

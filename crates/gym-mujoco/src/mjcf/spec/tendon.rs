@@ -1,6 +1,6 @@
 //! Tendons.
 
-use super::{LIMITED, SOLIMP, SOLREF, read_solref, replace};
+use super::{LIMITED, SOLIMP, SOLREF, read_solref, replace, replace_some};
 use crate::Result;
 use crate::mjcf::xml::{Element, Place};
 
@@ -11,7 +11,8 @@ with_defaults! {
         name: Option<String> = None,
         limited: Option<bool> = None,
         range: [f64; 2] = [0.0; 2],
-        force_limited: Option<bool> = None,
+        /// `actuatorfrclimited`, where it is given; `auto` is `Some(None)`.
+        force_limited: Option<Option<bool>> = None,
         force_range: [f64; 2] = [0.0; 2],
         margin: f64 = 0.0,
         solref: [f64; 2] = SOLREF,
@@ -45,7 +46,7 @@ impl Tendon {
         self.place = element.place();
         replace(&mut self.limited, element.keyword("limited", &LIMITED)?);
         replace(&mut self.range, element.numbers("range")?);
-        replace(
+        replace_some(
             &mut self.force_limited,
             element.keyword("actuatorfrclimited", &LIMITED)?,
         );

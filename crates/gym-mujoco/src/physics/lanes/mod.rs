@@ -10,10 +10,12 @@
 )]
 
 mod actuators;
+mod arrays;
 mod derived;
 mod fits;
 mod gauss_seidel;
 mod newton;
+mod row;
 mod rows;
 mod sensors;
 mod stages;
@@ -22,211 +24,19 @@ mod tree;
 use fearless_simd::{Level, Simd};
 use gym_core::math::{Lanes, Real};
 
+pub(crate) use self::arrays::Arrays;
 pub use self::derived::{Derived, Stride};
 pub(crate) use self::fits::{fits, width};
 use self::gauss_seidel::GaussSeidel;
 use self::newton::Newton;
+use self::row::{Place, copy, load, same, store};
+pub(crate) use self::row::{Row, WORLDS};
 use self::rows::{Rows, worlds};
 use super::MAXVAL;
 use super::integrate::{PARTS, WEIGHTS, integrate_pos_of};
-use super::number::Number;
 use super::post_constraint::push_apart;
 use crate::Model;
 use crate::model::{Integrator, Solver};
-
-/// The largest number of worlds that step together.
-pub(crate) const WORLDS: usize = 8;
-
-/// The value of one variable in every world, one world per lane.
-#[derive(Clone, Copy, Debug)]
-#[repr(align(64))]
-pub(crate) struct Row(pub(crate) [f64; WORLDS]);
-
-impl Row {
-    const ZERO: Self = Self([0.0; WORLDS]);
-}
-
-impl Default for Row {
-    fn default() -> Self {
-        Self::ZERO
-    }
-}
-
-/// A register: the SIMD token, and the index of the world in the register's first lane.
-type Place<S> = (S, usize);
-
-impl<S: Simd> Number for Lanes<S> {
-    type Place = Place<S>;
-    type Cell = Row;
-    type Mask = <Self as Real>::Mask;
-
-    #[inline(always)]
-    fn of(place: Place<S>, x: f64) -> Self {
-        same(place, x)
-    }
-
-    #[inline(always)]
-    fn get(place: Place<S>, cell: &Row) -> Self {
-        load(place, cell)
-    }
-
-    #[inline(always)]
-    fn put(self, place: Place<S>, cell: &mut Row) {
-        store(place, cell, self);
-    }
-
-    #[inline(always)]
-    fn abs(self) -> Self {
-        Real::abs(self)
-    }
-
-    #[inline(always)]
-    fn sqrt(self) -> Self {
-        Real::sqrt(self)
-    }
-
-    #[inline(always)]
-    fn inverse(self) -> Self {
-        self.same(1.0) / self
-    }
-
-    #[inline(always)]
-    fn sin_cos(self) -> (Self, Self) {
-        Real::sin_cos(self)
-    }
-
-    #[inline(always)]
-    fn is_below(self, x: f64) -> Self::Mask {
-        self.lt(self.same(x))
-    }
-
-    #[inline(always)]
-    fn is_off(self, from: f64, by: f64) -> Self::Mask {
-        Real::abs(self - from).gt(self.same(by))
-    }
-
-    #[inline(always)]
-    fn is_zero(self) -> Self::Mask {
-        Real::abs(self).le(self.same(0.0))
-    }
-
-    #[inline(always)]
-    fn choose<const K: usize>(
-        mask: Self::Mask,
-        yes: impl FnOnce() -> [Self; K],
-        no: impl FnOnce() -> [Self; K],
-    ) -> [Self; K] {
-        let (yes, mut no) = (yes(), no());
-        for (no, yes) in no.iter_mut().zip(yes) {
-            *no = Self::select(mask, yes, *no);
-        }
-        no
-    }
-}
-
-/// Loads the values of the worlds in the register.
-#[inline(always)]
-fn load<S: Simd>((simd, at): Place<S>, row: &Row) -> Lanes<S> {
-    // the mask keeps `at` within the row, so the compiler drops the bounds check
-    let at = at & (WORLDS - <Lanes<S> as Real>::LANES);
-    <Lanes<S> as Real>::get(simd, &row.0[at..at + <Lanes<S> as Real>::LANES])
-}
-
-#[inline(always)]
-fn store<S: Simd>((_, at): Place<S>, row: &mut Row, x: Lanes<S>) {
-    let at = at & (WORLDS - <Lanes<S> as Real>::LANES);
-    Real::put(x, &mut row.0[at..at + <Lanes<S> as Real>::LANES]);
-}
-
-#[inline(always)]
-fn same<S: Simd>((simd, _): Place<S>, x: f64) -> Lanes<S> {
-    <Lanes<S> as Real>::get(simd, &[x; WORLDS])
-}
-
-/// The arrays of the stages, as in [`Data`](crate::Data).
-macro_rules! arrays {
-    ($($name:ident: $type:ty = ($zero:expr, $length:expr),)+) => {
-        /// The arrays of all worlds, named as in [`Data`](crate::Data).
-        #[derive(Clone, Debug, Default)]
-        pub(crate) struct Arrays {
-            $(pub(crate) $name: Vec<$type>,)+
-        }
-
-        impl Arrays {
-            fn new(m: &Model) -> Self {
-                $(let $name: fn(&Model) -> usize = $length;)+
-                Self { $($name: vec![$zero; $name(m)],)+ }
-            }
-        }
-    };
-}
-
-arrays! {
-    qpos: Row = (Row::ZERO, |m| m.nq()),
-    qvel: Row = (Row::ZERO, |m| m.nv()),
-    mocap_pos: [Row; 3] = ([Row::ZERO; 3], |m| m.nmocap()),
-    mocap_quat: [Row; 4] = ([ONE, Row::ZERO, Row::ZERO, Row::ZERO], |m| m.nmocap()),
-    warm: Row = (Row::ZERO, |m| m.nv()),
-    // the state at the start of the last step
-    qpos_before: Row = (Row::ZERO, |m| m.nq()),
-    qvel_before: Row = (Row::ZERO, |m| m.nv()),
-    warm_before: Row = (Row::ZERO, |m| m.nv()),
-    xpos: [Row; 3] = ([Row::ZERO; 3], |m| m.nbody()),
-    xquat: [Row; 4] = ([ONE, Row::ZERO, Row::ZERO, Row::ZERO], |m| m.nbody()),
-    xmat: [Row; 9] = (IDENTITY, |m| m.nbody()),
-    xipos: [Row; 3] = ([Row::ZERO; 3], |m| m.nbody()),
-    ximat: [Row; 9] = (IDENTITY, |m| m.nbody()),
-    xanchor: [Row; 3] = ([Row::ZERO; 3], |m| m.njnt()),
-    xaxis: [Row; 3] = ([Row::ZERO; 3], |m| m.njnt()),
-    geom_xpos: [Row; 3] = ([Row::ZERO; 3], |m| m.ngeom()),
-    geom_xmat: [Row; 9] = (IDENTITY, |m| m.ngeom()),
-    site_xpos: [Row; 3] = ([Row::ZERO; 3], |m| m.nsite()),
-    site_xmat: [Row; 9] = (IDENTITY, |m| m.nsite()),
-    subtree_com: [Row; 3] = ([Row::ZERO; 3], |m| m.nbody()),
-    cinert: [Row; 10] = ([Row::ZERO; 10], |m| m.nbody()),
-    crb: [Row; 10] = ([Row::ZERO; 10], |m| m.nbody()),
-    cdof: [Row; 6] = ([Row::ZERO; 6], |m| m.nv()),
-    cdof_dot: [Row; 6] = ([Row::ZERO; 6], |m| m.nv()),
-    cvel: [Row; 6] = ([Row::ZERO; 6], |m| m.nbody()),
-    acc: [Row; 6] = ([Row::ZERO; 6], |m| m.nbody()),
-    force: [Row; 6] = ([Row::ZERO; 6], |m| m.nbody()),
-    qm: Row = (Row::ZERO, |m| m.plan().m_colind.len()),
-    qld: Row = (Row::ZERO, |m| m.plan().m_colind.len()),
-    qld_diag_inv: Row = (Row::ZERO, |m| m.nv()),
-    qh: Row = (Row::ZERO, |m| m.plan().m_colind.len()),
-    qh_diag_inv: Row = (Row::ZERO, |m| m.nv()),
-    qfrc_bias: Row = (Row::ZERO, |m| m.nv()),
-    qfrc_passive: Row = (Row::ZERO, |m| m.nv()),
-    qfrc_actuator: Row = (Row::ZERO, |m| m.nv()),
-    qfrc_smooth: Row = (Row::ZERO, |m| m.nv()),
-    qfrc_constraint: Row = (Row::ZERO, |m| m.nv()),
-    qacc_smooth: Row = (Row::ZERO, |m| m.nv()),
-    qacc: Row = (Row::ZERO, |m| m.nv()),
-    cfrc_ext: [Row; 6] = ([Row::ZERO; 6], |m| m.nbody()),
-    fluid: Row = (Row::ZERO, |m| m.nv()),
-    ten_length: Row = (Row::ZERO, |m| if actuators::can_measure_tendons(m) { m.ntendon() } else { 0 }),
-    ten_velocity: Row = (Row::ZERO, |m| if actuators::can_measure_tendons(m) { m.ntendon() } else { 0 }),
-    sensordata: Row = (Row::ZERO, |m| m.nsensordata()),
-    // controls of actuators whose forces also follow from positions
-    input: Row = (Row::ZERO, |m| actuators::inputs(m)),
-    // buffers of the integrators
-    acc_sum: Row = (Row::ZERO, |m| m.nv()),
-    vel_sum: Row = (Row::ZERO, |m| m.nv()),
-    rates: Row = (Row::ZERO, |m| m.nv()),
-}
-
-const ONE: Row = Row([1.0; WORLDS]);
-const IDENTITY: [Row; 9] = [
-    ONE,
-    Row::ZERO,
-    Row::ZERO,
-    Row::ZERO,
-    ONE,
-    Row::ZERO,
-    Row::ZERO,
-    Row::ZERO,
-    ONE,
-];
 
 /// Up to [`WORLDS`] worlds of one model, and the buffers of their stages.
 #[derive(Clone, Debug)]
@@ -598,14 +408,6 @@ fn beyond<S: Simd>(at: Place<S>, numbers: &[Row]) -> u64 {
         good &= Real::abs(load::<S>(at, row)).le(most);
     }
     !Lanes::<S>::bits(good) & (u64::MAX >> (64 - <Lanes<S> as Real>::LANES))
-}
-
-/// Copies the values of the worlds in the register.
-#[inline(always)]
-fn copy<S: Simd>(at: Place<S>, from: &[Row], to: &mut [Row]) {
-    for (to, from) in to.iter_mut().zip(from) {
-        store(at, to, load::<S>(at, from));
-    }
 }
 
 #[cfg(test)]

@@ -1,0 +1,220 @@
+//! Geoms and sites.
+
+use crate::Result;
+use crate::mjcf::fluid;
+use crate::mjcf::inertia::{self, Inertia};
+use crate::mjcf::orientation::{from_z, unit, within};
+use crate::mjcf::spec::{Frame, Geom, Site, Spec};
+use crate::mjcf::xml::Place;
+use crate::model::{CompiledModel, Fluid, GeomType, bounding_radius};
+use crate::physics::spatial::EPS;
+
+/// Adds a geom; returns its mass, and its centre and axes in the body's frame.
+pub(super) fn add_geom(
+    m: &mut CompiledModel,
+    spec: &Spec,
+    body: usize,
+    geom: &Geom,
+) -> Result<Inertia> {
+    let Geom { place, shape, .. } = geom;
+    let mut size = geom.size;
+    let own = match geom.fromto {
+        None => (
+            geom.pos.unwrap_or_default(),
+            geom.orientation.resolve(&spec.compiler),
+        ),
+        Some(ends) => {
+            if matches!(shape, GeomType::Plane | GeomType::Sphere | GeomType::Mesh) {
+                return Err(place.attribute(
+                    "fromto",
+                    "only capsules, cylinders, ellipsoids and boxes have ends: give type=\"capsule\"",
+                ));
+            }
+            between(
+                place,
+                ends,
+                &mut size,
+                geom.pos.is_some_and(|pos| pos != [0.0; 3]),
+            )?
+        }
+    };
+    if geom.fromto.is_some() && matches!(shape, GeomType::Ellipsoid | GeomType::Box) {
+        size = [size[0], size[0], size[1]];
+    }
+    let (pos, quat) = within(geom.frame, own);
+    check_size(geom, size)?;
+    if *shape == GeomType::Plane && m.body_weldid[body] != 0 {
+        return Err(place.attribute(
+            "type",
+            "a plane belongs to the world or to a body fixed to it",
+        ));
+    }
+    let volume = inertia::volume(*shape, size, geom.shell);
+    let mass = match geom.mass {
+        // MuJoCo ignores the `mass` of a shape without volume
+        Some(mass) if mass == 0.0 || volume > EPS => mass,
+        Some(_) => 0.0,
+        None => geom.density * volume,
+    };
+    let material = match &geom.material {
+        None => -1,
+        Some(name) => match spec
+            .materials
+            .iter()
+            .position(|material| material.name == *name)
+        {
+            Some(id) => id as i32,
+            None => {
+                return Err(place.attribute("material", format!("there is no material {name:?}")));
+            }
+        },
+    };
+    m.names.geom.push(geom.name.clone());
+    m.geom_type.push(*shape);
+    m.geom_bodyid.push(body);
+    m.geom_contype.push(geom.contype);
+    m.geom_conaffinity.push(geom.conaffinity);
+    m.geom_condim.push(geom.condim);
+    m.geom_priority.push(geom.priority);
+    m.geom_size.push(size);
+    m.geom_rbound.push(bounding_radius(*shape, size));
+    m.geom_fluid.push(if geom.fluid_ellipsoid {
+        Fluid(fluid::coefficients(*shape, size, geom.fluid))
+    } else {
+        Fluid::default()
+    });
+    m.geom_pos.push(pos);
+    m.geom_quat.push(quat);
+    m.geom_friction.push(geom.friction);
+    m.geom_solmix.push(geom.solmix);
+    m.geom_solref.push(geom.solref);
+    m.geom_solimp.push(geom.solimp);
+    m.geom_margin.push(geom.margin);
+    m.geom_gap.push(geom.gap);
+    m.geom_rgba.push(single(geom.rgba));
+    m.geom_matid.push(material);
+    Ok(Inertia {
+        mass,
+        pos,
+        quat,
+        moments: inertia::moments(*shape, mass, size, geom.shell),
+    })
+}
+
+/// Returns an error for a mesh that affects more than rendering, because the engine does not read
+/// its surface. `weighs`: whether the mass of the geom counts.
+pub(super) fn check_mesh(geom: &Geom, spec: &Spec, weighs: bool) -> Result<()> {
+    let error = |name, reason: &str| Err(geom.place.attribute(name, reason));
+    let Some(mesh) = &geom.mesh else {
+        return match geom.shape {
+            GeomType::Mesh => error("mesh", "missing: it must be given for type=\"mesh\""),
+            _ => Ok(()),
+        };
+    };
+    if !spec.meshes.contains(mesh) {
+        return error("mesh", &format!("there is no mesh {mesh:?}"));
+    }
+    if geom.shape != GeomType::Mesh {
+        return error(
+            "mesh",
+            "a shape fitted to a mesh is not supported: give the shape's size",
+        );
+    }
+    if geom.contype != 0 || geom.conaffinity != 0 {
+        return error(
+            "type",
+            "a mesh that collides is not supported: set contype and conaffinity to 0 to only show \
+             it, and give other geoms for contacts",
+        );
+    }
+    if weighs && geom.mass != Some(0.0) && geom.density != 0.0 {
+        return error(
+            "type",
+            "the mass of a mesh is not supported: give its body an element inertial, or the geom \
+             mass=\"0\"",
+        );
+    }
+    if geom.fluid_ellipsoid {
+        return error("fluidshape", "the fluid forces on a mesh are not supported");
+    }
+    Ok(())
+}
+
+fn check_size(geom: &Geom, size: [f64; 3]) -> Result<()> {
+    let (needed, what) = match geom.shape {
+        GeomType::Plane => {
+            return if size[2] <= 0.0 || size[0] < 0.0 || size[1] < 0.0 {
+                Err(geom.place.attribute(
+                    "size",
+                    "a plane has two half sizes, which may be 0, and a positive spacing",
+                ))
+            } else {
+                Ok(())
+            };
+        }
+        GeomType::Sphere => (1, "a radius"),
+        GeomType::Capsule => (2, "a radius and a half length (or fromto)"),
+        GeomType::Cylinder => (2, "a radius and a half length (or fromto)"),
+        GeomType::Ellipsoid => (3, "three half axes (or one and fromto)"),
+        GeomType::Box => (3, "three half sizes (or one and fromto)"),
+        GeomType::Mesh => return Ok(()),
+    };
+    if size[..needed].iter().any(|x| *x <= 0.0) {
+        return Err(geom.place.attribute(
+            "size",
+            format!("this shape has {what}, which must be positive"),
+        ));
+    }
+    Ok(())
+}
+
+/// Rounds a colour to single precision, as MuJoCo stores it.
+pub(super) fn single(rgba: [f64; 4]) -> [f64; 4] {
+    rgba.map(|x| f64::from(x as f32))
+}
+
+/// Adds a site.
+pub(super) fn add_site(m: &mut CompiledModel, spec: &Spec, body: usize, site: &Site) -> Result<()> {
+    m.names.site.push(site.name.clone());
+    m.site_bodyid.push(body);
+    m.site_type.push(site.shape);
+    let mut size = site.size;
+    let own = match site.fromto {
+        Some(ends) => between(&site.place, ends, &mut size, false)?,
+        None => (site.pos, site.orientation.resolve(&spec.compiler)),
+    };
+    if site.fromto.is_some() && ![3, 4, 5, 6].contains(&site.shape) {
+        let reason = "only capsules, cylinders, ellipsoids and boxes have ends";
+        return Err(site.place.attribute("fromto", reason));
+    }
+    if [4, 6].contains(&site.shape) && site.fromto.is_some() {
+        size = [size[0], size[0], size[1]];
+    }
+    let (pos, quat) = within(site.frame, own);
+    m.site_size.push(size);
+    m.site_pos.push(pos);
+    m.site_quat.push(quat);
+    m.site_rgba.push(single(site.rgba));
+    Ok(())
+}
+
+/// The frame and the size of a geom or site that has `fromto`: the centre of the segment, the z
+/// axis along it, and half its length as the second size. `fromto` and a position exclude each
+/// other.
+fn between(
+    place: &Place,
+    [x0, y0, z0, x1, y1, z1]: [f64; 6],
+    size: &mut [f64; 3],
+    positioned: bool,
+) -> Result<Frame> {
+    if positioned {
+        return Err(place.attribute("fromto", "does not go with pos, which it implies"));
+    }
+    let (along, length) = unit([x0 - x1, y0 - y1, z0 - z1]);
+    size[1] = length / 2.0;
+    if size[1] < EPS {
+        return Err(place.attribute("fromto", "the ends are too close"));
+    }
+    let pos = [(x0 + x1) / 2.0, (y0 + y1) / 2.0, (z0 + z1) / 2.0];
+    Ok((pos, from_z(along)))
+}

@@ -152,8 +152,8 @@ sensors! {
 }
 
 impl SensorType {
-    /// Whether the cutoff clamps the values: on both sides, or only above if they are never
-    /// negative. Axes and quaternions are not clamped.
+    /// Whether the cutoff clamps the values: of `touch` above, of others on both sides. Axes and
+    /// quaternions are not clamped.
     #[must_use]
     pub fn has_cutoff(self) -> bool {
         let axes = [Self::FrameXAxis, Self::FrameYAxis, Self::FrameZAxis];
@@ -165,8 +165,8 @@ impl SensorType {
         matches!(self, Self::FrameQuat | Self::BallQuat)
     }
 
-    /// Whether the values are never negative.
+    /// Whether the cutoff clamps the values above only.
     pub(crate) fn is_positive(self) -> bool {
-        matches!(self, Self::Touch | Self::Rangefinder)
+        self == Self::Touch
     }
 }

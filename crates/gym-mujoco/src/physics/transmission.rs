@@ -13,7 +13,7 @@ use super::spatial::{
     InTurn, Order, Pairwise, Quat, Vec3, dot, quat_to_velocity, rotate, rotate_back, rotate_quat,
     rotation, sub,
 };
-use crate::model::{JointType, TransmissionType};
+use crate::model::{Disable, JointType, TransmissionType};
 use crate::{Data, Model, Revision};
 
 /// The moment arms of the actuators: each actuator has a sparse row over the degrees of freedom
@@ -70,8 +70,12 @@ pub fn transmission(m: &Model, d: &mut Data) {
     d.work.moments = moments;
 }
 
-/// Computes `actuator_velocity`.
+/// Computes `actuator_velocity`, which is 0 without actuation.
 pub fn transmission_velocity(m: &Model, d: &mut Data) {
+    if m.opt.disables(Disable::Actuation) {
+        d.actuator_velocity.fill(0.0);
+        return;
+    }
     for i in 0..m.nu() {
         let (columns, values) = d.work.moments.row(i);
         d.actuator_velocity[i] = dot_sparse(values, columns, &d.qvel);

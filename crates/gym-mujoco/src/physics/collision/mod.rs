@@ -16,7 +16,7 @@ mod primitive;
 
 use super::number::{self, Number};
 use super::spatial::{Mat3, Vec3, add_scaled, column, cross, dot, norm, normalize, sub, unit};
-use crate::model::{GeomType, Pair, Reach};
+use crate::model::{Disable, GeomType, Pair, Reach};
 use crate::{Contact, Data, Model, Revision};
 pub(in crate::physics) use bounds::{Frame, ROUNDING};
 pub(crate) use epa::Polytope;
@@ -130,6 +130,11 @@ pub(in crate::physics) fn touch(
                 shape: b,
             };
             match m.revision {
+                revision if m.opt.disables(Disable::MultiCcd) => {
+                    if let Some(touch) = convex::one(a, b, pair.margin, revision, polytope) {
+                        push(touch.hit(pair.margin));
+                    }
+                }
                 Revision::V3_12 => {
                     let apart = 1e-3 * m.geom_rbound[pair.geom[0]].min(m.geom_rbound[pair.geom[1]]);
                     convex::contacts(a, b, pair.margin, apart, polytope, &mut push);

@@ -152,7 +152,8 @@ fn bad_arguments_are_refused() {
     }
 }
 
-/// (In minigrid, such a reset never ends.)
+/// A reset without room for an object or the agent is an error. (In minigrid, the reset never
+/// ends.)
 #[test]
 fn a_grid_without_room_is_an_error() {
     for (id, name, value) in [

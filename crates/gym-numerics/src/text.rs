@@ -157,7 +157,7 @@ fn is_left_out(i: usize, n: usize) -> bool {
     n > 2 * EDGE_ITEMS && (EDGE_ITEMS..n - EDGE_ITEMS).contains(&i)
 }
 
-/// The format of the numbers of one array, which aligns them.
+/// The common format of the numbers of an array, with which the columns are aligned.
 enum Style {
     Integer {
         width: usize,

@@ -75,7 +75,7 @@ impl<A: Copy> State<A> {
         }
     }
 
-    /// Restores a state; its last action is unknown.
+    /// Restores a state from `cell`, which does not contain the last action.
     #[inline(always)]
     pub(crate) fn unpack(cell: Cell, last_action: Option<A>) -> Self {
         Self {

@@ -191,8 +191,8 @@ fn solid(color: u8) -> u64 {
     u64::from(color) * 0x0101_0101_0101_0101
 }
 
-/// Sets pixels to the background colour, or to the playfield colour where its bit is set:
-/// `colors[0]` in the first two cells, `colors[1]` in the others.
+/// Sets pixels to the background colour, and pixels whose bit in `playfield` is set to the
+/// playfield colour: `colors[0]` in the first two cells, `colors[1]` in the others.
 #[inline(always)]
 fn paint_playfield(
     cells: &mut [Cell],

@@ -22,7 +22,7 @@ const MAX_POINTS: usize = 2500;
 const MAX_LAPS: u32 = 4;
 /// The road turns only if the destination is further to the side than this, in scaled m.
 const MIN_OFFSET: f64 = 0.3;
-/// The turn of the road per scaled m of that offset, in rad.
+/// The turn of the road per scaled m of the destination's sideways distance, in rad.
 const TURN_PER_OFFSET: f64 = 0.001;
 /// The turn of a sharp bend per point, relative to [`TRACK_TURN_RATE`].
 const SHARP_TURN: f64 = 0.2;

@@ -98,7 +98,7 @@ impl DictSpace {
         })
     }
 
-    /// The space whose members `f` makes of the members of this space.
+    /// Returns the space whose members are the results of `f` for the members of this space.
     pub(super) fn map(&self, mut f: impl FnMut(&Space) -> Result<Space>) -> Result<Self> {
         let spaces = self
             .spaces
@@ -109,7 +109,7 @@ impl DictSpace {
         })
     }
 
-    /// The value whose members `f` makes of the member spaces.
+    /// Returns the value whose members are the results of `f` for the member spaces.
     pub(super) fn value(&self, mut f: impl FnMut(&Space) -> Result<Value>) -> Result<Value> {
         let entries = self
             .spaces

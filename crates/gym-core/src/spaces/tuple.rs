@@ -64,13 +64,13 @@ impl TupleSpace {
         members.try_for_each(|(i, (space, member))| f(space, member).map_err(|fault| fault.at(i)))
     }
 
-    /// The space whose members `f` makes of the members of this space.
+    /// Returns the space whose members are the results of `f` for the members of this space.
     pub(super) fn map(&self, f: impl FnMut(&Space) -> Result<Space>) -> Result<Self> {
         let spaces = self.spaces.iter().map(f).collect::<Result<_>>()?;
         Ok(Self { spaces })
     }
 
-    /// The value whose members `f` makes of the member spaces.
+    /// Returns the value whose members are the results of `f` for the member spaces.
     pub(super) fn value(&self, f: impl FnMut(&Space) -> Result<Value>) -> Result<Value> {
         self.spaces
             .iter()

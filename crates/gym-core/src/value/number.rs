@@ -54,7 +54,7 @@ impl Number {
         }
     }
 
-    /// The number as an `i64`, if it is whole and fits.
+    /// Returns the number as an `i64` if the number is an integer that fits.
     pub(crate) fn to_i64(self) -> Option<i64> {
         i64::try_from(self.to_int()?).ok()
     }

@@ -427,8 +427,8 @@ fn slot_bytes<E>(observation: &Space) -> usize {
     size_of::<Slot<E>>() + 2 * 8 * observation.len_of_row()
 }
 
-/// Makes the environments of a spec, if they fit in memory. `extra` is the memory of an
-/// environment that its type does not show, in bytes.
+/// Makes the environments of a spec, if the environments fit in memory. `extra` is the memory of an
+/// environment, in bytes, in addition to the size of its type.
 pub(crate) fn make_envs<E: Env>(
     spec: &VectorSpec,
     extra: usize,

@@ -152,7 +152,7 @@ impl<E: Env> Render<E> {
     }
 }
 
-/// Paints the picture of an environment, and counts it.
+/// Paints the picture of an environment, and counts the picture.
 fn paint<E: Env>(env: &mut E, painter: &mut dyn Painter, frames: &mut u64, frame: &mut Frame) {
     let size = env.metadata().render_size;
     painter.paint(size, &mut |canvas: &mut dyn Canvas| env.draw(canvas), frame);

@@ -165,7 +165,7 @@ impl Classes {
         actuator
     }
 
-    /// The class that the attribute `class` names; without it, the first.
+    /// The class that the attribute `class` names; the first class without the attribute.
     pub(super) fn of(&self, element: &mut Element<'_, '_>) -> Result<&Class> {
         Ok(&self.0[self.named(element, "class", 0)?])
     }

@@ -339,8 +339,8 @@ fn add_actuators(m: &mut CompiledModel, model: &Model, d: &Data) {
     }
 }
 
-/// The rest lengths of tendon springs that give none: the lengths at the joints' `springref`:
-/// MuJoCo's `setSpring`.
+/// Sets the rest lengths of tendon springs without a given length to the lengths at the joints'
+/// `springref`: MuJoCo's `setSpring`.
 fn add_springs(m: &mut CompiledModel, model: &Model, d: &mut Data) {
     d.qpos.copy_from_slice(&model.qpos_spring);
     kinematics(model, d);

@@ -192,7 +192,7 @@ fn actuators(m: &Model, d: &Data, add: &mut impl FnMut(usize, usize, f64)) {
             slope += gain
                 * match usize::try_from(m.actuator_actadr[i]) {
                     Err(_) => match m.revision {
-                        // 3.12 forgets the range of the control
+                        // MuJoCo 3.12 ignores the range of the control here
                         Revision::V3_12 => d.ctrl[i],
                         Revision::V4_0 => d.work.ctrl[i],
                     },

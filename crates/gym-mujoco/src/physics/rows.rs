@@ -150,8 +150,8 @@ fn bodies<O: Order>(m: &Model, d: &mut Data, constraint: &Equality) {
     }
 }
 
-/// Removes the last block, which begins at row `row`, if its Jacobian is zero, and returns whether it
-/// did: MuJoCo adds no such constraints.
+/// If the Jacobian of the last block, which begins at row `row`, is zero: removes the block, and
+/// returns true. MuJoCo adds no such constraints.
 fn drop_zeros(efc: &mut Constraints, row: usize) -> bool {
     let zero = efc.jacobian()[row * efc.stride()..]
         .as_flattened()

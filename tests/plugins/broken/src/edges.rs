@@ -333,7 +333,8 @@ fn with_kept<T: Twist>(
 
 // buffers, snapshots, time
 twists! {
-    // multiplies the old content of the buffer by zero: only NaN and infinity show
+    // multiplies the old content of the observation buffer by zero, so that only NaN and infinity
+    // have an effect
     "observation-whole.multiplied" MultipliesTheOld {
         fn step(env: &mut Of<Self>, action: &Value, observation: &mut Value) -> Result<Outcome> {
             let old = match observation {

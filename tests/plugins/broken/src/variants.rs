@@ -40,7 +40,7 @@ fn paid<T: Twist<Arguments = Mode>>(env: &Of<T>, outcome: Outcome) -> Outcome {
 
 // buffers
 pairs! {
-    // the reward depends on the number that the step replaces
+    // the reward depends on the old content of the observation buffer
     "observation-whole" "reward" PaysForTheBuffer {
         fn step(env: &mut Of<Self>, action: &Value, observation: &mut Value) -> Result<Outcome> {
             let old = if BAD { first(observation) } else { Some(env.walk.position() as f32) };
@@ -49,7 +49,7 @@ pairs! {
         }
     }
 
-    // `info` shows the number that the reset replaces
+    // `info` contains the old content of the observation buffer
     "observation-whole" "info" TellsOfTheBuffer scaled_step {
         fn reset(env: &mut Of<Self>, reset: &Reset, observation: &mut Value) -> Result<()> {
             let old = if BAD { first(observation) } else { None };

@@ -51,7 +51,7 @@ pub(super) fn add_equalities(m: &mut CompiledModel, spec: &Spec) -> Result<()> {
         m.eq_solimp.push(equality.solimp);
         let mut data = equality.data;
         if kind == EqualityType::Weld && m.revision == Revision::V4_0 {
-            // 3.12 normalises the relative pose later, as it does in a step
+            // MuJoCo 3.12 normalises the relative pose later, as in a step
             let pose = unit([data[6], data[7], data[8], data[9]]).0;
             data[6..10].copy_from_slice(&pose);
         }

@@ -225,7 +225,7 @@ const LIMITED: [(&str, Option<bool>); 3] =
 
 const GREY: [f64; 4] = [0.5, 0.5, 0.5, 1.0];
 
-/// Replaces a value by the given one, if any.
+/// Replaces a value if a new value is given.
 pub(crate) fn replace<T>(value: &mut T, given: Option<T>) {
     if let Some(given) = given {
         *value = given;

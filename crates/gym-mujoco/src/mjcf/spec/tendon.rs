@@ -11,7 +11,7 @@ with_defaults! {
         name: Option<String> = None,
         limited: Option<bool> = None,
         range: [f64; 2] = [0.0; 2],
-        /// `actuatorfrclimited`, where it is given; `auto` is `Some(None)`.
+        /// `actuatorfrclimited`; `None` if the attribute is missing, `Some(None)` for `auto`.
         force_limited: Option<Option<bool>> = None,
         force_range: [f64; 2] = [0.0; 2],
         margin: f64 = 0.0,

@@ -179,9 +179,10 @@ fn norm(v: &[f64]) -> f64 {
     crate::physics::dense::dot_slices(v, v).sqrt()
 }
 
-/// Returns the second derivatives of a cone's cost. `u` is the direction of sliding. Its length may
-/// differ from 1, so the first row, the products and the diagonal have the factors `first`, `bend`
-/// and `straight`, which depend on the length.
+/// Returns the second derivatives of a cone's cost. `u` is the direction of sliding, whose length
+/// may differ from 1. `first`, `bend` and `straight` depend on this length: `first` is the factor
+/// of the first row, `bend` the factor of the products of elements of `u`, and `straight` is
+/// subtracted from `mu^2` on the diagonal.
 fn cone_hessian(
     u: &[f64; 6],
     first: f64,

@@ -12,9 +12,18 @@ fn scalar(m: &CompiledModel, joint: i32) -> bool {
     )
 }
 
-/// Whether all actuators are motors on slides and hinges whose force equals the control, without
+/// A motor on a slide or a hinge.
+#[derive(Clone, Debug)]
+pub(crate) struct Motor {
+    pub(crate) dof: usize,
+    pub(crate) gear: f64,
+    /// The range of its control; without bounds if it has none.
+    pub(crate) range: [f64; 2],
+}
+
+/// The actuators, if all are motors on slides and hinges whose force equals the control, without
 /// ranges of force, joint or group.
-pub(super) fn motors(m: &CompiledModel) -> bool {
+pub(super) fn motors(m: &CompiledModel) -> Option<Vec<Motor>> {
     let plain = |i: usize| {
         m.actuator_trntype[i] == TransmissionType::Joint
             && scalar(m, m.actuator_trnid[i][0])
@@ -24,12 +33,22 @@ pub(super) fn motors(m: &CompiledModel) -> bool {
             && m.actuator_biastype[i] == BiasType::None
             && !m.actuator_forcelimited[i]
     };
-    (0..m.nu()).all(plain)
+    let all = (0..m.nu()).all(plain)
         && m.opt.disableactuator == 0
         && !m.opt.disables(Disable::Actuation)
         && !m.opt.disables(Disable::ClampCtrl)
         && !m.jnt_actfrclimited.contains(&true)
-        && !m.jnt_actgravcomp.contains(&true)
+        && !m.jnt_actgravcomp.contains(&true);
+    let motor = |i: usize| Motor {
+        dof: m.jnt_dofadr[m.actuator_trnid[i][0] as usize],
+        gear: m.actuator_gear[i][0],
+        range: if m.actuator_ctrllimited[i] {
+            m.actuator_ctrlrange[i]
+        } else {
+            [f64::NEG_INFINITY, f64::INFINITY]
+        },
+    };
+    all.then(|| (0..m.nu()).map(motor).collect())
 }
 
 /// Whether the transmission of an actuator is a slide, a hinge, or a fixed tendon, and its force is
@@ -81,7 +100,7 @@ pub(super) fn servos(m: &CompiledModel) -> bool {
 
 /// Whether the engine must compute lengths and velocities of actuators.
 pub(super) fn transmits(m: &CompiledModel) -> bool {
-    !motors(m) || m.sensor_objtype.contains(&ObjectType::Actuator)
+    motors(m).is_none() || m.sensor_objtype.contains(&ObjectType::Actuator)
 }
 
 /// The period of each actuator's setpoint if it is an angle of a ball joint or between sites, else

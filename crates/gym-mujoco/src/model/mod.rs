@@ -19,6 +19,7 @@ mod complete;
 mod constants;
 mod drives;
 mod features;
+mod frames;
 mod kinds;
 mod laws;
 mod lookup;
@@ -36,6 +37,7 @@ use serde::{Deserialize, Serialize};
 use crate::{Error, Result};
 pub use complete::{Fluid, Parameters};
 pub(crate) use constants::{body_sizes, bounding_radius, mark_simple, with_constants};
+pub(crate) use frames::{Base, Pose, same, same_quat};
 pub(crate) use kinds::{About, Stage};
 pub use kinds::{
     BiasType, Cone, DynamicsType, EqualityType, GainType, GeomType, Integrator, JointType,
@@ -43,7 +45,7 @@ pub use kinds::{
 };
 pub(crate) use laws::{Equality, Scalar};
 pub(crate) use pairs::{Pair, Reach};
-pub(crate) use plan::{Bounds, Limit, Placed, Plan, Softness, same, same_quat};
+pub(crate) use plan::{Bounds, Limit, Plan, Softness};
 pub use revision::Revision;
 pub use types::{Disable, Names, Options, Statistics};
 

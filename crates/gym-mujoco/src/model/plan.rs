@@ -32,11 +32,8 @@ pub(crate) struct Plan {
     pub(crate) m_colind: Vec<usize>,
     /// The columns, counted from the first degree of freedom of the tree.
     pub(crate) m_local: Vec<usize>,
-    /// For each row: how many of its first columns are 0, 1, 2 and so on.
-    m_lead: Vec<usize>,
-    /// Whether most rows begin with the columns 0 to 3, so that computing four elements at once
-    /// pays.
-    pub(crate) m_fours: bool,
+    /// The number of ancestors of each degree of freedom.
+    pub(crate) depths: Vec<usize>,
     /// The last degree of freedom that moves each body.
     last_dof: Vec<Option<usize>>,
     /// The degrees of freedom of each tree.
@@ -228,16 +225,8 @@ impl Plan {
                 .iter_mut()
                 .for_each(|j| *j -= trees[tree].start);
         }
-        let lead = |row: &Range<usize>| {
-            let columns = &m_colind[row.clone()];
-            (0..columns.len())
-                .take_while(|&place| columns[place] == place)
-                .count()
-        };
-        let m_lead: Vec<usize> = m_rows.iter().map(lead).collect();
         let mut plan = Self {
-            m_fours: 2 * m_lead.iter().map(|lead| lead / 4).sum::<usize>() > m.nv(),
-            m_lead,
+            depths: ways.iter().map(|way| way.len() - 1).collect(),
             m_rows,
             m_groups,
             m_colind,
@@ -372,12 +361,6 @@ impl Plan {
     #[inline]
     pub(crate) fn m_ancestors(&self, i: usize) -> Range<usize> {
         self.m_rows[i].start..self.m_diagonal(i)
-    }
-
-    /// How many of a row's first columns are 0, 1, 2 and so on.
-    #[inline]
-    pub(crate) fn m_lead(&self, i: usize) -> usize {
-        self.m_lead[i]
     }
 
     /// The index of a row's diagonal element.

@@ -2,8 +2,10 @@
 
 use super::law::{ConeHessian, Piece, State};
 use super::line_search::Row;
+use crate::Model;
 use crate::physics::constraint::Block;
 use crate::physics::dense::{self, Lanes};
+use crate::physics::inertia::Way;
 
 /// Buffers of the primal solvers.
 #[derive(Clone, Debug, Default)]
@@ -20,6 +22,7 @@ pub(crate) struct Buffers {
     pub(super) search: Vec<Lanes>,
     pub(super) mv: Vec<Lanes>,
     pub(super) row_update: Vec<Lanes>,
+    pub(super) way: Way,
     /// The number of degrees of freedom of the last island.
     pub(super) last: usize,
     /// The Hessian's lower triangle by columns, then its factor.
@@ -61,9 +64,13 @@ pub(super) struct Gathered {
 }
 
 impl Buffers {
-    /// Allocates for these numbers of degrees of freedom, rows, blocks and elliptic cones.
-    pub(crate) fn new(nv: usize, rows: usize, blocks: usize, cones: usize) -> Self {
-        let mut buffers = Self::default();
+    /// Allocates for a model, and for these numbers of rows, blocks and elliptic cones.
+    pub(crate) fn new(m: &Model, rows: usize, blocks: usize, cones: usize) -> Self {
+        let nv = m.nv();
+        let mut buffers = Self {
+            way: Way::new(m),
+            ..Self::default()
+        };
         buffers.ma_start.resize(nv, 0.0);
         let groups = dense::groups(nv);
         for vector in [

@@ -5,9 +5,18 @@ use super::{
     TransmissionType, WrapType,
 };
 
-/// Whether all actuators are motors on slides and hinges whose force equals the control, without
+/// A motor on a slide or a hinge.
+#[derive(Clone, Debug)]
+pub(crate) struct Motor {
+    pub(crate) dof: usize,
+    pub(crate) gear: f64,
+    /// The range of the control; without bounds if the control has no range.
+    pub(crate) range: [f64; 2],
+}
+
+/// Returns the actuators, if all are motors on slides and hinges whose force equals the control, without
 /// ranges of force, joint or group.
-pub(super) fn motors(m: &CompiledModel) -> bool {
+pub(super) fn motors(m: &CompiledModel) -> Option<Vec<Motor>> {
     let plain = |i: usize| {
         m.actuator_trntype[i] == TransmissionType::Joint
             && m.jnt_type[m.actuator_trnid[i][0] as usize].is_scalar()
@@ -17,12 +26,22 @@ pub(super) fn motors(m: &CompiledModel) -> bool {
             && m.actuator_biastype[i] == BiasType::None
             && !m.actuator_forcelimited[i]
     };
-    (0..m.nu()).all(plain)
+    let all = (0..m.nu()).all(plain)
         && m.opt.disableactuator == 0
         && !m.opt.disables(Disable::Actuation)
         && !m.opt.disables(Disable::ClampCtrl)
         && !m.jnt_actfrclimited.contains(&true)
-        && !m.jnt_actgravcomp.contains(&true)
+        && !m.jnt_actgravcomp.contains(&true);
+    let motor = |i: usize| Motor {
+        dof: m.jnt_dofadr[m.actuator_trnid[i][0] as usize],
+        gear: m.actuator_gear[i][0],
+        range: if m.actuator_ctrllimited[i] {
+            m.actuator_ctrlrange[i]
+        } else {
+            [f64::NEG_INFINITY, f64::INFINITY]
+        },
+    };
+    all.then(|| (0..m.nu()).map(motor).collect())
 }
 
 /// Whether the transmission of an actuator is a slide, a hinge, or a fixed tendon, and its force is
@@ -74,7 +93,7 @@ pub(super) fn servos(m: &CompiledModel) -> bool {
 
 /// Whether the engine must compute lengths and velocities of actuators.
 pub(super) fn transmits(m: &CompiledModel) -> bool {
-    !motors(m) || m.sensor_objtype.contains(&ObjectType::Actuator)
+    motors(m).is_none() || m.sensor_objtype.contains(&ObjectType::Actuator)
 }
 
 /// The period of each actuator's setpoint: a full turn for an angle of a ball joint or between

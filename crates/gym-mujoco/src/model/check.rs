@@ -207,6 +207,14 @@ fn joints(m: &CompiledModel) -> Result<()> {
                 "dof_parentid[{i}] is {}, expected {parent}",
                 m.dof_parentid[i]
             );
+            let mut before = i as i32 - 1;
+            while before > parent {
+                before = m.dof_parentid[before as usize];
+            }
+            ensure!(
+                before == parent,
+                "dof_parentid[{i}] is {parent}: a degree of freedom must follow its parent or a descendant of it"
+            );
             let tree = match usize::try_from(parent) {
                 Ok(parent) => m.dof_treeid[parent],
                 Err(_) => {

@@ -20,6 +20,7 @@ mod complete;
 mod constants;
 mod constraints;
 mod features;
+mod frames;
 mod kinds;
 mod lookup;
 mod mix;
@@ -40,12 +41,13 @@ pub use complete::{Fluid, Parameters};
 pub(crate) use complete::{SOLIMP, SOLREF};
 pub(crate) use constants::{body_sizes, bounding_radius, mark_simple, with_constants};
 pub(crate) use constraints::{Equality, Scalar};
+pub(crate) use frames::{Base, Pose, same, same_quat};
 pub use kinds::{
     BiasType, Cone, DynamicsType, EqualityType, GainType, GeomType, Integrator, JointType,
     ObjectType, Solver, TransmissionType, WrapType,
 };
 pub(crate) use pairs::{Pair, Reach, signature};
-pub(crate) use plan::{Bounds, Limit, Placed, Plan, same, same_quat};
+pub(crate) use plan::{Bounds, Limit, Plan};
 pub use revision::Revision;
 pub use sensors::SensorType;
 pub(crate) use sensors::{About, Stage};

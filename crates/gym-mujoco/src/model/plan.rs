@@ -3,8 +3,10 @@
 
 use std::ops::Range;
 
+use super::actuators::Motor;
 use super::bounds::Tree;
 use super::constraints::ModelConstraints;
+use super::frames::{self, Body, Joint, Pose, same, same_quat};
 use super::pairs::{Pair, Reach, most_contacts};
 use super::paths::Paths;
 use super::{
@@ -29,11 +31,8 @@ pub(crate) struct Plan {
     pub(crate) m_colind: Vec<usize>,
     /// The columns, counted from the first degree of freedom of the tree.
     pub(crate) m_local: Vec<usize>,
-    /// For each row: how many of its first columns are 0, 1, 2 and so on.
-    m_lead: Vec<usize>,
-    /// Whether most rows begin with the columns 0 to 3, so that computing four elements at once
-    /// pays.
-    pub(crate) m_fours: bool,
+    /// The number of ancestors of each degree of freedom.
+    pub(crate) depths: Vec<usize>,
     /// The last degree of freedom that moves each body.
     last_dof: Vec<Option<usize>>,
     /// The degrees of freedom of each tree.
@@ -56,8 +55,8 @@ pub(crate) struct Plan {
     pub(crate) inequalities_only: bool,
     /// Tendons.
     pub(crate) paths: Paths,
-    /// Whether all actuators are motors (constant gain, no bias) on slides and hinges.
-    pub(crate) motors: bool,
+    /// The actuators, if all are motors (constant gain, no bias) on slides and hinges.
+    pub(crate) motors: Option<Vec<Motor>>,
     /// Whether all actuator forces on degrees of freedom depend on controls alone.
     pub(crate) steady: bool,
     /// Whether all actuator forces are sums of a control term and a position term.
@@ -91,66 +90,16 @@ pub(crate) struct Plan {
     /// The bodies with a free joint and no child joints. `implicitfast` solves the six equations of
     /// each separately.
     pub(crate) free_bodies: Vec<usize>,
-    /// The pose of each body in its parent's frame, of its principal axes in its own frame, and of
-    /// each site in its body's frame.
-    pub(crate) bodies: Vec<Placed>,
-    pub(crate) inertias: Vec<Placed>,
-    pub(crate) sites: Vec<Placed>,
+    pub(crate) bodies: Vec<Body>,
+    pub(crate) joints: Vec<Joint>,
+    /// The pose of each site in its body's frame.
+    pub(crate) sites: Vec<Pose>,
     /// The pose of each geom in its body's frame; `None` if the geom's frame is the body's inertial
     /// frame.
-    pub(crate) geoms: Vec<Option<Placed>>,
+    pub(crate) geoms: Vec<Option<Pose>>,
     /// Whether a timestep reads the frame of each geom, and the frames of sites.
     pub(crate) geoms_read: Vec<bool>,
     pub(crate) sites_read: bool,
-    /// Whether each joint's anchor differs from its body's origin.
-    pub(crate) anchored: Vec<bool>,
-}
-
-/// Which parts of a relative pose are not the identity.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Placed {
-    pub(crate) moved: bool,
-    pub(crate) turned: bool,
-}
-
-impl Placed {
-    /// A pose in the parent's frame.
-    fn new(pos: &[f64; 3], quat: &[f64; 4]) -> Self {
-        Self {
-            moved: *pos != [0.0; 3],
-            turned: *quat != [1.0, 0.0, 0.0, 0.0],
-        }
-    }
-
-    /// A pose in the body's frame. The body's frame replaces a frame that is nearly equal: MuJoCo's
-    /// `sameframe`.
-    fn within(pos: &[f64; 3], quat: &[f64; 4]) -> Self {
-        let turned = !same_quat(quat, &[1.0, 0.0, 0.0, 0.0]);
-        Self {
-            moved: *pos != [0.0; 3] && (turned || !same(pos, &[0.0; 3])),
-            turned,
-        }
-    }
-
-    fn all(
-        place: fn(&[f64; 3], &[f64; 4]) -> Self,
-        pos: &[[f64; 3]],
-        quat: &[[f64; 4]],
-    ) -> Vec<Self> {
-        let both = pos.iter().zip(quat);
-        both.map(|(pos, quat)| place(pos, quat)).collect()
-    }
-}
-
-/// Whether two vectors are nearly equal.
-pub(crate) fn same(a: &[f64], b: &[f64]) -> bool {
-    const NEAR: f64 = 1e-6;
-    a.iter().zip(b).all(|(a, b)| (a - b).abs() < NEAR)
-}
-
-/// Whether two orientations are nearly equal.
-pub(crate) fn same_quat(a: &[f64; 4], b: &[f64; 4]) -> bool {
-    same(a, b) || same(a, &b.map(|x| -x))
 }
 
 /// The largest number of constraints in any state, for buffers that never grow.
@@ -223,10 +172,10 @@ impl Plan {
         let geoms = (0..m.ngeom()).map(|g| {
             let (b, pos, quat) = (m.geom_bodyid[g], &m.geom_pos[g], &m.geom_quat[g]);
             let (inertia_pos, inertia_quat) = (&m.body_ipos[b], &m.body_iquat[b]);
-            let placed = Placed::within(pos, quat);
+            let pose = Pose::within(*pos, *quat);
             let near = same(pos, inertia_pos) && same_quat(quat, inertia_quat);
-            let inertial = (pos, quat) == (inertia_pos, inertia_quat) || (placed.turned && near);
-            (!inertial).then_some(placed)
+            let inertial = (pos, quat) == (inertia_pos, inertia_quat) || (pose.turned && near);
+            (!inertial).then_some(pose)
         });
         let mut m_local = m_colind.clone();
         for (row, &tree) in m_rows.iter().zip(&m.dof_treeid) {
@@ -234,16 +183,8 @@ impl Plan {
                 .iter_mut()
                 .for_each(|j| *j -= trees[tree].start);
         }
-        let lead = |row: &Range<usize>| {
-            let columns = &m_colind[row.clone()];
-            (0..columns.len())
-                .take_while(|&place| columns[place] == place)
-                .count()
-        };
-        let m_lead: Vec<usize> = m_rows.iter().map(lead).collect();
         let mut plan = Self {
-            m_fours: 2 * m_lead.iter().map(|lead| lead / 4).sum::<usize>() > m.nv(),
-            m_lead,
+            depths: ways.iter().map(|way| way.len() - 1).collect(),
             m_rows,
             m_groups,
             m_colind,
@@ -294,13 +235,12 @@ impl Plan {
                 .collect(),
             boxes: boxes(m),
             free_bodies: (0..m.nbody()).filter(|&body| is_free(m, body)).collect(),
-            bodies: Placed::all(Placed::new, &m.body_pos, &m.body_quat),
-            inertias: Placed::all(Placed::within, &m.body_ipos, &m.body_iquat),
-            sites: Placed::all(Placed::within, &m.site_pos, &m.site_quat),
+            bodies: frames::bodies(m),
+            joints: frames::joints(m),
+            sites: Pose::all(&m.site_pos, &m.site_quat),
             geoms: geoms.collect(),
             geoms_read: Vec::new(),
             sites_read: false,
-            anchored: m.jnt_pos.iter().map(|pos| *pos != [0.0; 3]).collect(),
         };
         plan.paths = Paths::new(m, |body| plan.chain(body));
         let constraints = !off(Disable::Constraint);
@@ -379,12 +319,6 @@ impl Plan {
     #[inline]
     pub(crate) fn m_ancestors(&self, i: usize) -> Range<usize> {
         self.m_rows[i].start..self.m_diagonal(i)
-    }
-
-    /// How many of a row's first columns are 0, 1, 2 and so on.
-    #[inline]
-    pub(crate) fn m_lead(&self, i: usize) -> usize {
-        self.m_lead[i]
     }
 
     /// The index of a row's diagonal element.

@@ -17,26 +17,22 @@ pub(crate) const MAXVAL: f64 = 1e10;
 #[inline(always)]
 pub fn fwd_actuation(m: &Model, d: &mut Data) {
     d.qfrc_actuator.fill(0.0);
-    if !m.plan().motors {
+    let Some(motors) = &m.plan().motors else {
         general(m, d);
         return;
+    };
+    let mut bad = false;
+    for ((motor, ctrl), force) in motors.iter().zip(&d.ctrl).zip(&mut d.actuator_force) {
+        let [low, high] = motor.range;
+        *force = ctrl.max(low).min(high);
+        bad |= ctrl.is_nan() | (force.abs() > MAXVAL);
     }
-    for i in 0..m.nu() {
-        let ctrl = d.ctrl[i];
-        let [low, high] = m.actuator_ctrlrange[i];
-        d.actuator_force[i] = if m.actuator_ctrllimited[i] {
-            ctrl.max(low).min(high)
-        } else {
-            ctrl
-        };
-        if ctrl.is_nan() || d.actuator_force[i].abs() > MAXVAL {
-            d.actuator_force.fill(0.0);
-            return;
-        }
+    if bad {
+        d.actuator_force.fill(0.0);
+        return;
     }
-    for i in 0..m.nu() {
-        let dof = m.jnt_dofadr[m.actuator_trnid[i][0] as usize];
-        d.qfrc_actuator[dof] += m.actuator_gear[i][0] * d.actuator_force[i];
+    for (motor, force) in motors.iter().zip(&d.actuator_force) {
+        d.qfrc_actuator[motor.dof] += motor.gear * force;
     }
 }
 

@@ -1,7 +1,7 @@
 //! Spatial inertias and motion axes about the centres of mass of the trees.
 
 use super::number::{self, Number, get, put};
-use super::spatial::{MINVAL, add, column, cross, inertia_at, join, scale, sub};
+use super::spatial::{add, column, cross, inertia_at, join, scale, sub};
 use crate::model::JointType;
 use crate::{Data, Model};
 
@@ -38,11 +38,7 @@ pub fn com_pos(m: &Model, d: &mut Data) {
 pub(crate) fn com_pos_of<N: Number>(m: &Model, at: N::Place, numbers: Inertias<'_, N::Cell>) {
     // slices of equal length let the compiler check an index once for all of them
     let n = m.nbody();
-    let (parents, roots, masses) = (
-        &m.body_parentid[..n],
-        &m.body_rootid[..n],
-        &m.body_mass[..n],
-    );
+    let bodies = &m.plan().bodies[..n];
     let (xipos, ximat, com, cinert) = (
         &numbers.xipos[..n],
         &numbers.ximat[..n],
@@ -50,42 +46,38 @@ pub(crate) fn com_pos_of<N: Number>(m: &Model, at: N::Place, numbers: Inertias<'
         &mut numbers.cinert[..n],
     );
     for b in 0..n {
-        put(
-            at,
-            scale(get::<N, 3>(at, &xipos[b]), masses[b]),
-            &mut com[b],
-        );
+        let part = scale(get::<N, 3>(at, &xipos[b]), bodies[b].mass);
+        put(at, part, &mut com[b]);
     }
     for b in (1..n).rev() {
-        let (sum, part) = (get::<N, 3>(at, &com[parents[b]]), get::<N, 3>(at, &com[b]));
-        put(at, add(sum, part), &mut com[parents[b]]);
+        let parent = bodies[b].parent;
+        let (sum, part) = (get::<N, 3>(at, &com[parent]), get::<N, 3>(at, &com[b]));
+        put(at, add(sum, part), &mut com[parent]);
     }
     for b in 0..n {
-        let mass = m.body_subtreemass[b];
-        let centre = if mass < MINVAL {
-            get::<N, 3>(at, &xipos[b])
-        } else {
-            scale(get(at, &com[b]), 1.0 / mass)
+        let body = &bodies[b];
+        let centre = match body.inverse_mass {
+            Some(inverse) => scale(get(at, &com[b]), inverse),
+            None => get::<N, 3>(at, &xipos[b]),
         };
         put(at, centre, &mut com[b]);
-    }
-
-    for b in 1..n {
-        let offset = sub(get::<N, 3>(at, &xipos[b]), get(at, &com[roots[b]]));
-        let mat = get(at, &ximat[b]);
-        let inertia = inertia_at(at, m.body_inertia[b], &mat, offset, masses[b]);
-        put(at, inertia, &mut cinert[b]);
+        if b > 0 {
+            let offset = sub(get::<N, 3>(at, &xipos[b]), get(at, &com[body.root]));
+            let mat = get(at, &ximat[b]);
+            let inertia = inertia_at(at, body.moments, &mat, offset, body.mass);
+            put(at, inertia, &mut cinert[b]);
+        }
     }
 
     let cdof = numbers.cdof;
-    for j in 0..m.njnt() {
-        let (b, i) = (m.jnt_bodyid[j], m.jnt_dofadr[j]);
+    for (j, joint) in m.plan().joints.iter().enumerate() {
+        let (b, i) = (joint.body, joint.dof);
         let offset = sub(
-            get::<N, 3>(at, &com[roots[b]]),
+            get::<N, 3>(at, &com[joint.root]),
             get(at, &numbers.xanchor[j]),
         );
         let axis = get::<N, 3>(at, &numbers.xaxis[j]);
-        match m.jnt_type[j] {
+        match joint.kind {
             JointType::Free => {
                 let mat = get(at, &numbers.xmat[b]);
                 for k in 0..3 {

@@ -244,6 +244,12 @@ pub fn make_constraint(m: &Model, d: &mut Data) {
         rows::tendon_limits(m, d);
     }
     contacts(m, d);
+    let efc = &mut d.efc;
+    let rows = efc.nefc();
+    for column in [&mut efc.vel, &mut efc.aref, &mut efc.b, &mut efc.force] {
+        column.resize(rows, 0.0);
+    }
+    efc.island.resize(rows, 0);
     islands(m, d);
 }
 
@@ -256,7 +262,12 @@ fn limits(m: &Model, d: &mut Data) {
             continue;
         }
         let q = d.qpos[limit.qpos];
-        for (side, dist) in [(1.0, q - limit.range[0]), (-1.0, limit.range[1] - q)] {
+        let dists = [q - limit.range[0], limit.range[1] - q];
+        // most limits are far
+        if !dists.iter().any(|dist| *dist < limit.margin) {
+            continue;
+        }
+        for (side, dist) in [1.0, -1.0].into_iter().zip(dists) {
             if dist < limit.margin {
                 let efc = &mut d.efc;
                 let source = Source::Limit(limit.joint);
@@ -398,7 +409,7 @@ pub(super) fn contact_jacobian<N: Number>(
 }
 
 /// Sets position, margin and impedance of the rows of one constraint, all equal: MuJoCo's
-/// `mj_makeImpedance`.
+/// `mj_makeImpedance`. The columns that later stages compute are left for the end.
 #[inline(always)]
 pub(super) fn push_rows(
     efc: &mut Constraints,
@@ -411,18 +422,19 @@ pub(super) fn push_rows(
     let (impedance, slope) = softness.impedance(distance, margin);
     let r = regularization(impedance, diag);
     let rows = efc.pos.len() + rows;
-    for (column, value) in
-        columns!(efc)
-            .into_iter()
-            .zip([pos, margin, diag, r, 1.0 / r, 0.0, 0.0, 0.0, 0.0])
-    {
+    for (column, value) in [
+        (&mut efc.pos, pos),
+        (&mut efc.margin, margin),
+        (&mut efc.diag_approx, diag),
+        (&mut efc.r, r),
+        (&mut efc.d, 1.0 / r),
+    ] {
         column.resize(rows, value);
     }
     efc.kbip.resize(
         rows,
         [softness.stiffness, softness.damping, impedance, slope],
     );
-    efc.island.resize(rows, 0);
 }
 
 /// The regularisation of a row with impedance `impedance` and diagonal `diag`.

@@ -75,6 +75,27 @@ pub(crate) fn dot_sparse(a: &[f64], columns: &[usize], x: &[f64]) -> f64 {
     sum
 }
 
+/// The product of the first `n` elements of two vectors, in the order of [`dot_sparse`].
+#[inline(always)]
+pub(crate) fn dot_one_by_one(a: &[Lanes], b: &[Lanes], n: usize) -> f64 {
+    let whole = n / 4;
+    let mut sums = [0.0; 4];
+    for (a, b) in a[..whole].iter().zip(&b[..whole]) {
+        sums = [
+            sums[0] + a[0] * b[0],
+            sums[1] + a[1] * b[1],
+            sums[2] + a[2] * b[2],
+            sums[3] + a[3] * b[3],
+        ];
+    }
+    let mut sum = total(&sums);
+    let (a, b) = (&a.as_flattened()[..n], &b.as_flattened()[..n]);
+    for k in 4 * whole..n {
+        sum += a[k] * b[k];
+    }
+    sum
+}
+
 /// `a + s b`. All four numbers are read before one is written, so that the compiler uses one vector
 /// instruction.
 #[inline(always)]
@@ -107,11 +128,9 @@ pub(crate) fn times(a: Lanes, s: f64) -> Lanes {
 /// Whether a vector has a number that is not zero.
 #[inline(always)]
 pub(crate) fn any(a: &[Lanes]) -> bool {
-    let mut bits = [0; 4];
-    for a in a {
-        bits = std::array::from_fn(|k| bits[k] | a[k].to_bits());
-    }
-    bits != [0; 4]
+    // a loop without an early exit vectorises
+    let numbers = a.as_flattened().iter();
+    numbers.fold(0, |bits, x| bits | x.to_bits()) != 0
 }
 
 /// `a += s b`.

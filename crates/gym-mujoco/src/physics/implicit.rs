@@ -47,7 +47,8 @@ pub(super) fn solve_fast(m: &Model, d: &mut Data) {
     let free = &mut buffers.free;
     free.iter_mut().for_each(|free| free.solve(m, d));
     let work = &mut d.work;
-    solve_m(m, &work.qh, &work.qh_diag_inv, &mut work.acc_sum);
+    let (inverses, way) = (&work.qh_diag_inv, &mut work.way);
+    solve_m(m, &work.qh, inverses, way, &mut work.acc_sum);
     for free in free {
         free.put(&mut work.acc_sum);
     }

@@ -25,49 +25,63 @@ pub(crate) struct Composite<'a, C> {
 /// Computes the inertia matrix by the composite rigid body algorithm: MuJoCo's `mj_crb`.
 #[inline(always)]
 pub fn crb(m: &Model, d: &mut Data) {
-    let (plan, axes) = (m.plan(), &mut d.work.axes[..]);
-    if plan.m_fours {
-        for (four, axes) in d.cdof[..m.nv()].chunks(4).zip(&mut *axes) {
-            for (lane, axis) in four.iter().enumerate() {
-                for k in 0..6 {
-                    axes[k][lane] = axis[k];
-                }
-            }
-        }
-    }
+    let (plan, axes, cdof) = (m.plan(), &mut d.work.axes[..], &d.cdof[..m.nv()]);
     let composite = Composite {
         cinert: &d.cinert,
-        cdof: &d.cdof,
+        cdof,
         crb: &mut d.work.crb,
         qm: &mut d.qm,
     };
-    // computes the first elements of a row four at once, if the row is long enough
+    // `axes` holds the motion axes on the way from the root to degree of freedom `known - 1`
+    let mut known = 0;
     crb_of::<f64>(
         m,
         (),
         composite,
         #[inline(always)]
         |i, force, row| {
-            if !plan.m_fours {
-                return 0;
+            if i >= known {
+                known = i + read_axes(&cdof[i..], &plan.depths[i..], axes);
             }
-            let done = 4 * (plan.m_lead(i) / 4);
-            for (four, axes) in row[..done].as_chunks_mut().0.iter_mut().zip(&*axes) {
+            let (fours, _) = row.as_chunks_mut();
+            for (four, axes) in fours.iter_mut().zip(&axes[..=plan.depths[i] / 4]) {
                 *four = dot6_of_four(axes, force);
             }
-            done
+            true
         },
     );
 }
 
-/// [`crb`] for one world or several. `begin` may compute the first elements of a row from the force
-/// of the row's degree of freedom, and returns the number of computed elements.
+/// Reads the motion axes of the first degrees of freedom, each the parent of the next one. Returns
+/// their number.
+#[inline(always)]
+fn read_axes(cdof: &[Vec6], depths: &[usize], axes: &mut [[Lanes; 6]]) -> usize {
+    let start = depths[0];
+    let mut count = 0;
+    for (place, (axis, depth)) in (start..).zip(cdof.iter().zip(depths)) {
+        if place != *depth {
+            break;
+        }
+        let four = &mut axes[place / 4];
+        if place % 4 == 0 {
+            *four = [[0.0; 4]; 6];
+        }
+        for (four, x) in four.iter_mut().zip(axis) {
+            four[place % 4] = *x;
+        }
+        count += 1;
+    }
+    count
+}
+
+/// [`crb`] for one world or several. `begin` may compute a row, and the elements that are stored
+/// after its end, from the force of the row's degree of freedom, and returns whether it did.
 #[inline(always)]
 pub(crate) fn crb_of<N: Number>(
     m: &Model,
     at: N::Place,
     composite: Composite<'_, N::Cell>,
-    mut begin: impl FnMut(usize, &[N; 6], &mut [N::Cell]) -> usize,
+    mut begin: impl FnMut(usize, &[N; 6], &mut [N::Cell]) -> bool,
 ) {
     let (n, nv, plan) = (m.nbody(), m.nv(), m.plan());
     let Composite {
@@ -89,23 +103,26 @@ pub(crate) fn crb_of<N: Number>(
         }
     }
     let cdof = &cdof[..nv];
+    let (bodies, armatures) = (&m.dof_bodyid[..nv], &m.dof_armature[..nv]);
     for i in 0..nv {
-        let row = plan.m_row(i);
-        let (columns, row) = (&plan.m_colind[row.clone()], &mut qm[row]);
-        let last = row.len() - 1;
+        let places = plan.m_row(i);
+        let last = places.len() - 1;
+        let row = &mut qm[places.start..];
         if m.dof_simplenum[i] > 0 {
-            row.iter_mut()
+            row[..last]
+                .iter_mut()
                 .for_each(|value| N::of(at, 0.0).put(at, value));
             N::of(at, m.dof_m0[i]).put(at, &mut row[last]);
             continue;
         }
-        let inertia = get::<N, 10>(at, &crb[m.dof_bodyid[i]]);
+        let inertia = get::<N, 10>(at, &crb[bodies[i]]);
         let force = mul_inertia(&inertia, &get(at, &cdof[i]));
-        let done = begin(i, &force, row);
-        for (value, &j) in row[done..].iter_mut().zip(&columns[done..]) {
-            dot6(&get(at, &cdof[j]), &force).put(at, value);
+        if !begin(i, &force, row) {
+            for (value, &j) in row.iter_mut().zip(&plan.m_colind[places]) {
+                dot6(&get(at, &cdof[j]), &force).put(at, value);
+            }
         }
-        (N::get(at, &row[last]) + m.dof_armature[i]).put(at, &mut row[last]);
+        (N::get(at, &row[last]) + armatures[i]).put(at, &mut row[last]);
     }
 }
 
@@ -195,14 +212,20 @@ fn eliminate<const C: usize>(
     let columns = &plan.m_colind[plan.m_ancestors(k)];
     let diagonal = row.as_flattened().as_flattened()[columns.len()];
     let inv = 1.0 / diagonal;
-    // ancestors, from the nearest to the root
-    for (c, &ancestor) in columns.iter().enumerate().rev() {
-        let factor = row.as_flattened().as_flattened()[c] * inv;
-        for (a, b) in above[ancestor * per_row..][..per_row].iter_mut().zip(&*row) {
-            for g in 0..C {
-                a[g] = minus(a[g], b[g], factor);
-            }
+    // ancestors, from the nearest to the root; the row of one ends in the group of its own column
+    if per_row > 1 {
+        subtract::<C, C>(above, row, columns, 0, inv);
+    } else {
+        if C > 3 {
+            subtract::<C, 4>(above, row, columns, 12, inv);
         }
+        if C > 2 {
+            subtract::<C, 3>(above, row, &columns[..columns.len().min(12)], 8, inv);
+        }
+        if C > 1 {
+            subtract::<C, 2>(above, row, &columns[..columns.len().min(8)], 4, inv);
+        }
+        subtract::<C, 1>(above, row, &columns[..columns.len().min(4)], 0, inv);
     }
     for group in row.as_flattened_mut() {
         *group = times(*group, inv);
@@ -211,16 +234,58 @@ fn eliminate<const C: usize>(
     inv
 }
 
+/// Subtracts multiples of a row from the first `G` groups in each chunk of the rows of its
+/// ancestors, from the last down to number `first`.
+#[inline(always)]
+fn subtract<const C: usize, const G: usize>(
+    above: &mut [[Lanes; C]],
+    row: &[[Lanes; C]],
+    columns: &[usize],
+    first: usize,
+    inv: f64,
+) {
+    for c in (first..columns.len()).rev() {
+        let factor = row.as_flattened().as_flattened()[c] * inv;
+        let ancestor = &mut above[columns[c] * row.len()..][..row.len()];
+        for (a, b) in ancestor.iter_mut().zip(row) {
+            for g in 0..G.min(C) {
+                a[g] = minus(a[g], b[g], factor);
+            }
+        }
+    }
+}
+
+/// Numbers of the degrees of freedom on the way from the root of a tree to one of them, in the
+/// order of the rows of the inertia matrix.
+///
+/// Degrees of freedom follow their parent or a descendant of it, so from one to the next only the
+/// end of the way changes.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Way {
+    x: Vec<Lanes>,
+    y: Vec<Lanes>,
+}
+
+impl Way {
+    pub(crate) fn new(m: &Model) -> Self {
+        let zeros = vec![[0.0; 4]; m.plan().m_groups];
+        Self {
+            x: zeros.clone(),
+            y: zeros,
+        }
+    }
+}
+
 /// Replaces `x` by `M^-1 x`: MuJoCo's `mj_solveM`.
 pub fn solve_m(m: &Model, d: &Data, x: &mut [f64]) {
-    solve(m, &d.qld, &d.qld_diag_inv, x);
+    solve(m, &d.qld, &d.qld_diag_inv, &mut Way::new(m), x);
 }
 
 /// Replaces `x` by `(L' D L)^-1 x`.
 #[inline(always)]
-pub(crate) fn solve(m: &Model, factors: &[f64], diag_inv: &[f64], x: &mut [f64]) {
+pub(crate) fn solve(m: &Model, factors: &[f64], diag_inv: &[f64], way: &mut Way, x: &mut [f64]) {
     for tree in &m.plan().trees {
-        solve_tree(m, factors, diag_inv, tree, &mut x[tree.clone()]);
+        solve_tree(m, factors, diag_inv, tree, way, &mut x[tree.clone()]);
     }
 }
 
@@ -231,54 +296,161 @@ pub(crate) fn solve_tree(
     factors: &[f64],
     diag_inv: &[f64],
     tree: &Range<usize>,
+    way: &mut Way,
     x: &mut [f64],
 ) {
-    let plan = m.plan();
-    let diag_inv = &diag_inv[tree.clone()];
-    for i in (1..x.len()).rev() {
-        let xi = x[i];
+    let (inverses, way) = (&diag_inv[tree.clone()], &mut way.x[..]);
+    match m.plan().m_groups {
+        1 => solve_chunks::<1>(Rows::new(m, factors, tree, 1), inverses, way, x),
+        2 => solve_chunks::<2>(Rows::new(m, factors, tree, 1), inverses, way, x),
+        3 => solve_chunks::<3>(Rows::new(m, factors, tree, 1), inverses, way, x),
+        4 => solve_chunks::<4>(Rows::new(m, factors, tree, 1), inverses, way, x),
+        more => solve_chunks::<4>(Rows::new(m, factors, tree, more / 4), inverses, way, x),
+    }
+}
+
+/// [`solve_tree`] for rows in chunks of `C` groups of four.
+#[inline(always)]
+fn solve_chunks<const C: usize>(
+    rows: Rows<'_, C>,
+    inverses: &[f64],
+    way: &mut [Lanes],
+    x: &mut [f64],
+) {
+    let n = rows.depths.len();
+    let (x, way) = (&mut x[..n], rows.way(way));
+    let mut known = 0;
+    for i in (0..n).rev() {
+        let depth = rows.depths[i];
+        if known <= depth {
+            for (place, &column) in rows.columns(i).iter().enumerate().skip(known) {
+                way.as_flattened_mut().as_flattened_mut()[place] = x[column];
+            }
+        }
+        known = depth;
+        let xi = way.as_flattened().as_flattened()[depth];
+        x[i] = xi;
         if xi != 0.0 {
-            let row = plan.m_ancestors(tree.start + i);
-            for (&j, l) in plan.m_local[row.clone()].iter().zip(&factors[row]) {
-                x[j] -= l * xi;
+            // numbers after the end of the way change too
+            for (way, l) in way.iter_mut().zip(rows.get(i)) {
+                for g in 0..C {
+                    way[g] = minus(way[g], l[g], xi);
+                }
             }
         }
     }
-    for (x, inv) in x.iter_mut().zip(diag_inv) {
-        *x *= inv;
+    for (x, inverse) in x.iter_mut().zip(inverses) {
+        *x *= inverse;
     }
-    for i in 1..x.len() {
-        let row = plan.m_ancestors(tree.start + i);
-        x[i] -= dense::dot_sparse(&factors[row.clone()], &plan.m_local[row], x);
+    for i in 0..n {
+        let (depth, row) = (rows.depths[i], rows.get(i).as_flattened());
+        x[i] -= dense::dot_one_by_one(row, way.as_flattened(), depth);
+        way.as_flattened_mut().as_flattened_mut()[depth] = x[i];
     }
 }
 
 /// Writes `M x` to `y`: MuJoCo's `mj_mulM`.
 pub fn mul_m(m: &Model, d: &Data, x: &[f64], y: &mut [f64]) {
-    multiply(m, &d.qm, x, y);
+    multiply(m, &d.qm, &mut Way::new(m), x, y);
 }
 
 /// Writes `M x` to `y`, for a matrix with the sparsity of the inertia matrix.
 #[inline(always)]
-pub(crate) fn multiply(m: &Model, qm: &[f64], x: &[f64], y: &mut [f64]) {
+pub(crate) fn multiply(m: &Model, qm: &[f64], way: &mut Way, x: &[f64], y: &mut [f64]) {
     for tree in &m.plan().trees {
-        mul_m_tree(m, qm, tree, &x[tree.clone()], &mut y[tree.clone()]);
+        mul_m_tree(m, qm, tree, way, &x[tree.clone()], &mut y[tree.clone()]);
     }
 }
 
 /// [`multiply`] for the degrees of freedom of one tree: MuJoCo's `mju_mulSymVecSparse`, ancestors
 /// from the nearest to the root.
 #[inline(never)]
-pub(crate) fn mul_m_tree(m: &Model, qm: &[f64], tree: &Range<usize>, x: &[f64], y: &mut [f64]) {
-    let plan = m.plan();
-    for (i, &xi) in x.iter().enumerate() {
-        let row = plan.m_ancestors(tree.start + i);
-        let mut sum = qm[row.end] * xi;
-        for (&j, value) in plan.m_local[row.clone()].iter().zip(&qm[row]).rev() {
-            sum += value * x[j];
-            y[j] += value * xi;
+pub(crate) fn mul_m_tree(
+    m: &Model,
+    qm: &[f64],
+    tree: &Range<usize>,
+    way: &mut Way,
+    x: &[f64],
+    y: &mut [f64],
+) {
+    match m.plan().m_groups {
+        1 => mul_m_chunks::<1>(Rows::new(m, qm, tree, 1), way, x, y),
+        2 => mul_m_chunks::<2>(Rows::new(m, qm, tree, 1), way, x, y),
+        3 => mul_m_chunks::<3>(Rows::new(m, qm, tree, 1), way, x, y),
+        4 => mul_m_chunks::<4>(Rows::new(m, qm, tree, 1), way, x, y),
+        more => mul_m_chunks::<4>(Rows::new(m, qm, tree, more / 4), way, x, y),
+    }
+}
+
+/// [`mul_m_tree`] for rows in chunks of `C` groups of four.
+#[inline(always)]
+fn mul_m_chunks<const C: usize>(rows: Rows<'_, C>, way: &mut Way, x: &[f64], y: &mut [f64]) {
+    let n = rows.depths.len();
+    let (x, y) = (&x[..n], &mut y[..n]);
+    let (way_x, way_y) = (rows.way(&mut way.x), rows.way(&mut way.y));
+    for i in 0..n {
+        let (depth, row, xi) = (rows.depths[i], rows.get(i), x[i]);
+        let elements = &row.as_flattened().as_flattened()[..=depth];
+        let known = &way_x.as_flattened().as_flattened()[..depth];
+        let mut sum = elements[depth] * xi;
+        for k in (0..depth).rev() {
+            sum += elements[k] * known[k];
         }
-        y[i] = sum;
+        // numbers after the end of the way change too
+        for (y, values) in way_y.iter_mut().zip(row) {
+            for g in 0..C {
+                y[g] = plus(y[g], values[g], xi);
+            }
+        }
+        way_x.as_flattened_mut().as_flattened_mut()[depth] = xi;
+        way_y.as_flattened_mut().as_flattened_mut()[depth] = sum;
+        let kept = rows.depths.get(i + 1).copied().unwrap_or(0);
+        if kept <= depth {
+            for (place, &column) in rows.columns(i).iter().enumerate().skip(kept) {
+                y[column] = way_y.as_flattened().as_flattened()[place];
+            }
+        }
+    }
+}
+
+/// The rows of a tree's degrees of freedom, in chunks of `C` groups of four.
+struct Rows<'a, const C: usize> {
+    plan: &'a Plan,
+    first: usize,
+    depths: &'a [usize],
+    chunks: &'a [[Lanes; C]],
+    per_row: usize,
+}
+
+impl<'a, const C: usize> Rows<'a, C> {
+    #[inline(always)]
+    fn new(m: &'a Model, elements: &'a [f64], tree: &Range<usize>, per_row: usize) -> Self {
+        let chunks = elements.as_chunks().0.as_chunks().0;
+        Self {
+            plan: m.plan(),
+            first: tree.start,
+            depths: &m.plan().depths[tree.clone()],
+            chunks: &chunks[tree.start * per_row..tree.end * per_row],
+            per_row,
+        }
+    }
+
+    /// The elements of a row.
+    #[inline(always)]
+    fn get(&self, i: usize) -> &'a [[Lanes; C]] {
+        &self.chunks[i * self.per_row..][..self.per_row]
+    }
+
+    /// The columns of a row, counted from the start of the tree.
+    #[inline(always)]
+    fn columns(&self, i: usize) -> &'a [usize] {
+        &self.plan.m_local[self.plan.m_row(self.first + i)]
+    }
+
+    /// The numbers of a way, in chunks.
+    #[inline(always)]
+    fn way<'b>(&self, numbers: &'b mut [Lanes]) -> &'b mut [[Lanes; C]] {
+        &mut numbers.as_chunks_mut().0[..self.per_row]
     }
 }
 
@@ -339,12 +511,13 @@ mod tests {
             solve_m(&m, &d, &mut solved);
             // the matrix with damping, for Euler's method
             let mut damped: Vec<f64> = x.clone();
-            multiply(&m, &d.qm, &x, &mut damped);
+            let mut way = Way::new(&m);
+            multiply(&m, &d.qm, &mut way, &x, &mut damped);
             damped
                 .iter_mut()
                 .zip(&x)
                 .for_each(|(y, x)| *y += m.opt.timestep * x);
-            solve(&m, &d.work.qh, &d.work.qh_diag_inv, &mut damped);
+            solve(&m, &d.work.qh, &d.work.qh_diag_inv, &mut way, &mut damped);
             for (i, &x) in x.iter().enumerate() {
                 assert!(
                     (solved[i] - x).abs() < 1e-4 * x,

@@ -29,16 +29,16 @@ pub(super) fn integrate_pos_of<N: Number>(
         #[inline(always)]
         |q: &N::Cell, v: &N::Cell| N::get(at, q) + N::get(at, v) * dt,
     );
-    for j in 0..m.njnt() {
-        let (mut p, mut v) = (m.jnt_qposadr[j], m.jnt_dofadr[j]);
-        let free = m.jnt_type[j] == JointType::Free;
+    for joint in &m.plan().joints {
+        let (mut p, mut v) = (joint.qpos, joint.dof);
+        let free = joint.kind == JointType::Free;
         if free {
             for k in 0..3 {
                 moved(&qpos[p + k], &qvel[v + k]).put(at, &mut qpos[p + k]);
             }
             (p, v) = (p + 3, v + 3);
         }
-        if free || m.jnt_type[j] == JointType::Ball {
+        if free || joint.kind == JointType::Ball {
             let quat: [N; 4] = std::array::from_fn(
                 #[inline(always)]
                 |k| N::get(at, &qpos[p + k]),
@@ -88,8 +88,9 @@ fn semi_implicit(m: &Model, d: &mut Data) {
     }
     let whole = m.opt.integrator == Integrator::Implicit;
     if fast || late || whole || m.plan().implicit {
-        for i in 0..m.nv() {
-            d.work.acc_sum[i] = d.qfrc_smooth[i] + d.qfrc_constraint[i];
+        let forces = d.qfrc_smooth.iter().zip(&d.qfrc_constraint);
+        for (sum, (smooth, constraint)) in d.work.acc_sum.iter_mut().zip(forces) {
+            *sum = smooth + constraint;
         }
         if whole {
             let mut sum = std::mem::take(&mut d.work.acc_sum);
@@ -100,7 +101,8 @@ fn semi_implicit(m: &Model, d: &mut Data) {
             implicit::solve_fast(m, d);
         } else {
             let work = &mut d.work;
-            solve(m, &work.qh, &work.qh_diag_inv, &mut work.acc_sum);
+            let (inverses, way) = (&work.qh_diag_inv, &mut work.way);
+            solve(m, &work.qh, inverses, way, &mut work.acc_sum);
         }
     } else {
         d.work.acc_sum.copy_from_slice(&d.qacc);
@@ -110,8 +112,8 @@ fn semi_implicit(m: &Model, d: &mut Data) {
         advance(m, d, &rates);
         d.act_dot = rates;
     }
-    for i in 0..m.nv() {
-        d.qvel[i] += dt * d.work.acc_sum[i];
+    for (velocity, acceleration) in d.qvel.iter_mut().zip(&d.work.acc_sum) {
+        *velocity += dt * acceleration;
     }
     integrate_pos(m, &mut d.qpos, &d.qvel, dt);
     d.time += dt;
@@ -150,9 +152,11 @@ pub fn runge_kutta(m: &Model, d: &mut Data) {
         }
         let rates = if turns { &d.work.rates } else { &d.qvel };
         let (vel_sum, acc_sum) = (&mut d.work.vel_sum[..nv], &mut d.work.acc_sum[..nv]);
-        for i in 0..nv {
-            vel_sum[i] += weight * rates[i];
-            acc_sum[i] += weight * d.qacc[i];
+        for (sum, rate) in vel_sum.iter_mut().zip(rates) {
+            *sum += weight * rate;
+        }
+        for (sum, acceleration) in acc_sum.iter_mut().zip(&d.qacc) {
+            *sum += weight * acceleration;
         }
         for (sum, rate) in d.work.act_sum.iter_mut().zip(&d.act_dot) {
             *sum += weight * rate;
@@ -161,12 +165,8 @@ pub fn runge_kutta(m: &Model, d: &mut Data) {
             d.qpos.copy_from_slice(&d.work.qpos_start);
             way = part * dt;
             integrate_pos(m, &mut d.qpos, rates, way);
-            for i in 0..nv {
-                d.qvel[i] = d.work.qvel_start[i] + way * d.qacc[i];
-            }
-            for i in 0..m.na() {
-                d.act[i] = d.work.act_start[i] + way * d.act_dot[i];
-            }
+            advance_from(&mut d.qvel, &d.work.qvel_start, &d.qacc, way);
+            advance_from(&mut d.act, &d.work.act_start, &d.act_dot, way);
             d.time = start + way;
             if stage == 2 {
                 d.work.skips = skips; // no evaluation follows
@@ -182,14 +182,19 @@ pub fn runge_kutta(m: &Model, d: &mut Data) {
         d.work.act_sum = rates;
     }
     d.qpos.copy_from_slice(&d.work.qpos_start);
-    for i in 0..nv {
-        d.qvel[i] = d.work.qvel_start[i] + dt * d.work.acc_sum[i];
-    }
+    advance_from(&mut d.qvel, &d.work.qvel_start, &d.work.acc_sum, dt);
     integrate_pos(m, &mut d.qpos, &d.work.vel_sum, dt);
     d.time = start + dt;
     d.qacc_warmstart.copy_from_slice(&d.qacc);
     if m.revision == Revision::V4_0 {
         d.qacc.copy_from_slice(&d.work.acc_sum);
+    }
+}
+
+/// Sets numbers to `start + time * rates`.
+fn advance_from(numbers: &mut [f64], start: &[f64], rates: &[f64], time: f64) {
+    for (x, (start, rate)) in numbers.iter_mut().zip(start.iter().zip(rates)) {
+        *x = start + time * rate;
     }
 }
 
@@ -205,21 +210,20 @@ fn rates(m: &Model, qvel: &[f64], way: f64, rates: &mut [f64]) {
         rates.copy_from_slice(qvel);
         return;
     }
-    for j in 0..m.njnt() {
-        let mut v = m.jnt_dofadr[j];
-        let free = m.jnt_type[j] == JointType::Free;
-        if free {
-            rates[v..v + 3].copy_from_slice(&qvel[v..v + 3]);
-            v += 3;
-        }
-        if free || m.jnt_type[j] == JointType::Ball {
-            let turn = [rates[v], rates[v + 1], rates[v + 2]].map(|rate| rate * way);
-            let velocity = [qvel[v], qvel[v + 1], qvel[v + 2]];
-            rates[v..v + 3].copy_from_slice(&rate_of_turn(turn, velocity));
-        } else {
-            rates[v] = qvel[v];
-        }
+    let mut done = 0;
+    for joint in &m.plan().joints {
+        let v = match joint.kind {
+            JointType::Free => joint.dof + 3,
+            JointType::Ball => joint.dof,
+            JointType::Slide | JointType::Hinge => continue,
+        };
+        rates[done..v].copy_from_slice(&qvel[done..v]);
+        let turn = [rates[v], rates[v + 1], rates[v + 2]].map(|rate| rate * way);
+        let velocity = [qvel[v], qvel[v + 1], qvel[v + 2]];
+        rates[v..v + 3].copy_from_slice(&rate_of_turn(turn, velocity));
+        done = v + 3;
     }
+    rates[done..].copy_from_slice(&qvel[done..]);
 }
 
 /// The rate of change of the rotation vector `turn` at the angular velocity `velocity`, given in

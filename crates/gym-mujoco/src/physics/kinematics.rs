@@ -4,8 +4,7 @@ use super::number::{self, Number, get, put};
 use super::spatial::{
     InTurn, Order, Pairwise, add, add_scaled, axis_angle, rotate, rotate_quat, sub,
 };
-use super::velocity::joints;
-use crate::model::{JointType, Placed};
+use crate::model::{Base, JointType, Pose};
 use crate::{Data, Model, Revision};
 
 /// The arrays that this stage reads and writes, of one world or of several.
@@ -77,84 +76,80 @@ fn in_order<N: Number, O: Order>(
     whole: bool,
 ) {
     // slices of equal length let the compiler check an index once for all of them
-    let n = m.nbody();
-    let parents = &m.body_parentid[..n];
-    let (body_pos, body_quat, body_ipos, body_iquat) = (
-        &m.body_pos[..n],
-        &m.body_quat[..n],
-        &m.body_ipos[..n],
-        &m.body_iquat[..n],
-    );
-    let (placed, inertias) = (&m.plan().bodies[..n], &m.plan().inertias[..n]);
-    let f = frames;
+    let (f, plan, n) = (frames, m.plan(), m.nbody());
+    let bodies = &plan.bodies[..n];
     let (xpos, xquat, xmat) = (&mut f.xpos[..n], &mut f.xquat[..n], &mut f.xmat[..n]);
     let (xipos, ximat) = (&mut f.xipos[..n], &mut f.ximat[..n]);
-    let njnt = m.njnt();
-    let (types, axes, origins, addresses) = (
-        &m.jnt_type[..njnt],
-        &m.jnt_axis[..njnt],
-        &m.jnt_pos[..njnt],
-        &m.jnt_qposadr[..njnt],
-    );
-    let (xaxis, xanchor) = (&mut f.xaxis[..njnt], &mut f.xanchor[..njnt]);
-    let (anchored, nq) = (&m.plan().anchored[..njnt], m.nq());
-    let (qpos, qpos0) = (&f.qpos[..nq], &m.qpos0[..nq]);
-    for b in 1..n {
-        let joints = joints(m, b);
-        let (mut pos, mut quat): ([N; 3], [N; 4]);
-        if joints.len() == 1 && types[joints.start] == JointType::Free {
-            let j = joints.start;
-            let q: [N; 7] = std::array::from_fn(
+    let joints = &plan.joints[..];
+    let (xaxis, xanchor) = (&mut f.xaxis[..joints.len()], &mut f.xanchor[..joints.len()]);
+    let qpos = f.qpos;
+    let (quat_at,) = (
+        #[inline(always)]
+        |first: usize| {
+            let q = std::array::from_fn(
                 #[inline(always)]
-                |k| N::get(at, &qpos[addresses[j] + k]),
+                |k| N::get(at, &qpos[first + k]),
             );
-            pos = [q[0], q[1], q[2]];
-            quat = O::normalize_quat(at, [q[3], q[4], q[5], q[6]]);
+            O::normalize_quat(at, q)
+        },
+    );
+    for b in 1..n {
+        let body = &bodies[b];
+        let (mut pos, mut quat): ([N; 3], [N; 4]);
+        if let Base::Free = body.base {
+            let j = body.joints.start;
+            let first = joints[j].qpos;
+            pos = std::array::from_fn(
+                #[inline(always)]
+                |k| N::get(at, &qpos[first + k]),
+            );
+            quat = quat_at(first + 3);
             put(at, pos, &mut xanchor[j]);
-            put(at, number::of::<N, 3>(at, axes[j]), &mut xaxis[j]);
+            put(at, number::of::<N, 3>(at, joints[j].axis), &mut xaxis[j]);
         } else {
-            let parent = parents[b];
-            if let Ok(mocap) = usize::try_from(m.body_mocapid[b]) {
-                pos = get(at, &f.mocap_pos[mocap]);
-                quat = O::normalize_quat(at, get(at, &f.mocap_quat[mocap]));
-            } else if parent > 0 {
-                let parent_quat = get::<N, 4>(at, &xquat[parent]);
-                pos = add(
-                    rotate(&get::<N, 9>(at, &xmat[parent]), body_pos[b]),
-                    get::<N, 3>(at, &xpos[parent]),
-                );
-                quat = if placed[b].turned {
-                    O::mul_quat(parent_quat, body_quat[b])
-                } else {
-                    parent_quat
-                };
-            } else {
-                pos = number::of(at, body_pos[b]);
-                quat = number::of(at, body_quat[b]);
+            match body.base {
+                Base::Mocap(mocap) => {
+                    pos = get(at, &f.mocap_pos[mocap]);
+                    quat = O::normalize_quat(at, get(at, &f.mocap_quat[mocap]));
+                }
+                Base::Parent => {
+                    let parent = body.parent;
+                    let parent_quat = get::<N, 4>(at, &xquat[parent]);
+                    pos = add(
+                        rotate(&get::<N, 9>(at, &xmat[parent]), body.pos),
+                        get::<N, 3>(at, &xpos[parent]),
+                    );
+                    quat = if body.turned {
+                        O::mul_quat(parent_quat, body.quat)
+                    } else {
+                        parent_quat
+                    };
+                }
+                Base::World | Base::Free => {
+                    pos = number::of(at, body.pos);
+                    quat = number::of(at, body.quat);
+                }
             }
-            for j in joints {
-                let axis = rotate_quat(axes[j], quat);
-                let anchor = if anchored[j] {
-                    add(rotate_quat(origins[j], quat), pos)
+            for j in body.joints.clone() {
+                let joint = &joints[j];
+                let axis = rotate_quat(joint.axis, quat);
+                let anchor = if joint.anchored {
+                    add(rotate_quat(joint.origin, quat), pos)
                 } else {
                     pos
                 };
-                let moved = N::get(at, &qpos[addresses[j]]) - qpos0[addresses[j]];
-                match types[j] {
+                let moved = N::get(at, &qpos[joint.qpos]) - joint.rest;
+                match joint.kind {
                     JointType::Slide => pos = add_scaled(pos, axis, moved),
                     other => {
                         let turn = if other == JointType::Ball {
-                            let q = std::array::from_fn(
-                                #[inline(always)]
-                                |k| N::get(at, &qpos[addresses[j] + k]),
-                            );
-                            O::normalize_quat(at, q)
+                            quat_at(joint.qpos)
                         } else {
-                            axis_angle(at, axes[j], moved)
+                            axis_angle(at, joint.axis, moved)
                         };
                         quat = O::mul_quat(quat, turn);
-                        if anchored[j] {
-                            pos = sub(anchor, rotate_quat(origins[j], quat));
+                        if joint.anchored {
+                            pos = sub(anchor, rotate_quat(joint.origin, quat));
                         }
                     }
                 }
@@ -170,41 +165,38 @@ fn in_order<N: Number, O: Order>(
         local_to_global::<N, O>(
             at,
             (&xpos[b], &xquat[b], &xmat[b]),
-            inertias[b],
-            (body_ipos[b], body_iquat[b]),
+            &body.inertia,
             (&mut xipos[b], &mut ximat[b]),
         );
     }
     let n = m.ngeom();
-    let (bodies, placed) = (&m.geom_bodyid[..n], &m.plan().geoms[..n]);
-    let read = &m.plan().geoms_read[..n];
+    let (bodies, poses) = (&m.geom_bodyid[..n], &plan.geoms[..n]);
+    let read = &plan.geoms_read[..n];
     let (geom_xpos, geom_xmat) = (&mut f.geom_xpos[..n], &mut f.geom_xmat[..n]);
     for g in 0..n {
         if !(whole || read[g]) {
             continue;
         }
         let b = bodies[g];
-        match placed[g] {
+        match &poses[g] {
             None => (geom_xpos[g], geom_xmat[g]) = (xipos[b], ximat[b]),
-            Some(placed) => local_to_global::<N, O>(
+            Some(pose) => local_to_global::<N, O>(
                 at,
                 (&xpos[b], &xquat[b], &xmat[b]),
-                placed,
-                (m.geom_pos[g], m.geom_quat[g]),
+                pose,
                 (&mut geom_xpos[g], &mut geom_xmat[g]),
             ),
         }
     }
-    if !(whole || m.plan().sites_read) {
+    if !(whole || plan.sites_read) {
         return;
     }
-    for (s, &placed) in m.plan().sites.iter().enumerate() {
+    for (s, pose) in plan.sites.iter().enumerate() {
         let b = m.site_bodyid[s];
         local_to_global::<N, O>(
             at,
             (&xpos[b], &xquat[b], &xmat[b]),
-            placed,
-            (m.site_pos[s], m.site_quat[s]),
+            pose,
             (&mut f.site_xpos[s], &mut f.site_xmat[s]),
         );
     }
@@ -218,18 +210,17 @@ type Body<'a, C> = (&'a [C; 3], &'a [C; 4], &'a [C; 9]);
 fn local_to_global<N: Number, O: Order>(
     at: N::Place,
     (xpos, xquat, xmat): Body<'_, N::Cell>,
-    placed: Placed,
-    (pos, quat): ([f64; 3], [f64; 4]),
+    pose: &Pose,
     (to_pos, to_mat): (&mut [N::Cell; 3], &mut [N::Cell; 9]),
 ) {
-    if placed.moved {
-        let moved = rotate(&get::<N, 9>(at, xmat), pos);
+    if pose.moved {
+        let moved = rotate(&get::<N, 9>(at, xmat), pose.pos);
         put(at, add(moved, get::<N, 3>(at, xpos)), to_pos);
     } else {
         *to_pos = *xpos;
     }
-    if placed.turned {
-        let turned = O::mul_quat(get::<N, 4>(at, xquat), quat);
+    if pose.turned {
+        let turned = O::mul_quat(get::<N, 4>(at, xquat), pose.quat);
         put(at, O::quat_to_mat(turned), to_mat);
     } else {
         *to_mat = *xmat;

@@ -294,15 +294,18 @@ fn fwd_velocity(m: &Model, d: &mut Data) {
 /// Computes the accelerations without constraints: MuJoCo's `mj_fwdAcceleration`.
 #[inline(always)]
 fn fwd_acceleration(m: &Model, d: &mut Data) {
-    for i in 0..m.nv() {
-        let free = d.qfrc_passive[i] - d.qfrc_bias[i];
-        d.qfrc_smooth[i] = free + d.qfrc_applied[i] + d.qfrc_actuator[i];
+    let inner = d.qfrc_passive.iter().zip(&d.qfrc_bias);
+    let outer = d.qfrc_applied.iter().zip(&d.qfrc_actuator);
+    let forces = inner.zip(outer);
+    for (sum, ((passive, bias), (applied, actuator))) in d.qfrc_smooth.iter_mut().zip(forces) {
+        *sum = (passive - bias) + applied + actuator;
     }
     if d.work.pushed {
         push_bodies(m, d);
     }
     d.qacc_smooth.copy_from_slice(&d.qfrc_smooth);
-    inertia::solve(m, &d.qld, &d.qld_diag_inv, &mut d.qacc_smooth);
+    let (inverses, way) = (&d.qld_diag_inv, &mut d.work.way);
+    inertia::solve(m, &d.qld, inverses, way, &mut d.qacc_smooth);
 }
 
 /// Adds `xfrc_applied`, the external forces on bodies.
@@ -321,5 +324,6 @@ fn push_bodies(m: &Model, d: &mut Data) {
 
 /// Whether one of the numbers is not finite or exceeds [`MAXVAL`].
 fn diverged(numbers: &[f64]) -> bool {
-    numbers.iter().any(|x| x.is_nan() || x.abs() > MAXVAL)
+    // a loop without an early exit vectorises
+    (numbers.iter()).fold(false, |bad, x| bad | x.is_nan() | (x.abs() > MAXVAL))
 }

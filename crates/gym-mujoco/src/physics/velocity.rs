@@ -37,11 +37,13 @@ pub(crate) fn com_vel_of<N: Number>(m: &Model, at: N::Place, motion: Motion<'_, 
         cvel,
         cdof_dot,
     } = motion;
-    for b in 1..m.nbody() {
-        let mut vel = get::<N, 6>(at, &cvel[m.body_parentid[b]]);
-        for j in joints(m, b) {
-            let mut i = m.jnt_dofadr[j];
-            let free = m.jnt_type[j] == JointType::Free;
+    let plan = m.plan();
+    let cvel = &mut cvel[..plan.bodies.len()];
+    for (b, body) in plan.bodies.iter().enumerate().skip(1) {
+        let mut vel = get::<N, 6>(at, &cvel[body.parent]);
+        for joint in &plan.joints[body.joints.clone()] {
+            let mut i = joint.dof;
+            let free = joint.kind == JointType::Free;
             if free {
                 for dot in &mut cdof_dot[i..i + 3] {
                     put(at, number::of::<N, 6>(at, [0.0; 6]), dot);
@@ -49,7 +51,7 @@ pub(crate) fn com_vel_of<N: Number>(m: &Model, at: N::Place, motion: Motion<'_, 
                 add_to(&mut vel, &along::<N>(at, cdof, qvel, i..i + 3), 1.0);
                 i += 3;
             }
-            if free || m.jnt_type[j] == JointType::Ball {
+            if free || joint.kind == JointType::Ball {
                 for k in i..i + 3 {
                     let dot = cross_motion(&vel, &get(at, &cdof[k]));
                     put(at, dot, &mut cdof_dot[k]);
@@ -82,12 +84,12 @@ pub(super) fn along<N: Number>(
 
 /// The joints of a body.
 pub(super) fn joints(m: &Model, body: usize) -> Range<usize> {
-    usize::try_from(m.body_jntadr[body]).map_or(0..0, |first| first..first + m.body_jntnum[body])
+    m.plan().bodies[body].joints.clone()
 }
 
 /// The degrees of freedom of a body.
 pub(crate) fn dofs(m: &Model, body: usize) -> Range<usize> {
-    usize::try_from(m.body_dofadr[body]).map_or(0..0, |first| first..first + m.body_dofnum[body])
+    m.plan().bodies[body].dofs.clone()
 }
 
 /// The arrays of the bias forces, of one world or of several.
@@ -135,7 +137,7 @@ pub(crate) fn rne_of<N: Number>(m: &Model, at: N::Place, bias: Bias<'_, N::Cell>
     // slices of equal length let the compiler check an index once for all of them
     let (n, nv) = (m.nbody(), m.nv());
     let (acc, force) = (&mut acc[..n], &mut force[..n]);
-    let parents = &m.body_parentid[..n];
+    let bodies = &m.plan().bodies[..n];
     let (cinert, cvel) = (&cinert[..n], &cvel[..n]);
     let (cdof_dot, qvel) = (&cdof_dot[..nv], &qvel[..nv]);
     let [x, y, z] = m.plan().gravity;
@@ -143,8 +145,8 @@ pub(crate) fn rne_of<N: Number>(m: &Model, at: N::Place, bias: Bias<'_, N::Cell>
     put(at, falling, &mut acc[0]);
     put(at, number::of::<N, 6>(at, [0.0; 6]), &mut force[0]);
     for b in 1..n {
-        let own = dofs(m, b);
-        let mut a = get::<N, 6>(at, &acc[parents[b]]);
+        let own = bodies[b].dofs.clone();
+        let mut a = get::<N, 6>(at, &acc[bodies[b].parent]);
         if own.len() == 1 {
             let dot = get(at, &cdof_dot[own.start]);
             add_to(&mut a, &dot, N::get(at, &qvel[own.start]));
@@ -159,9 +161,9 @@ pub(crate) fn rne_of<N: Number>(m: &Model, at: N::Place, bias: Bias<'_, N::Cell>
         put(at, f, &mut force[b]);
     }
     for b in (1..n).rev() {
-        let mut sum = get::<N, 6>(at, &force[parents[b]]);
+        let mut sum = get::<N, 6>(at, &force[bodies[b].parent]);
         add_to(&mut sum, &get::<N, 6>(at, &force[b]), 1.0);
-        put(at, sum, &mut force[parents[b]]);
+        put(at, sum, &mut force[bodies[b].parent]);
     }
     for ((out, axis), &b) in qfrc_bias.iter_mut().zip(cdof).zip(&m.dof_bodyid) {
         dot6(&get::<N, 6>(at, axis), &get(at, &force[b])).put(at, out);

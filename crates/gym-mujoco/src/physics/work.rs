@@ -3,6 +3,7 @@
 use super::collision::Polytope;
 use super::dense::{self, Lanes};
 use super::implicit;
+use super::inertia::Way;
 use super::solver::{Island, buffers, pgs};
 use super::transmission::Moments;
 use crate::Model;
@@ -19,8 +20,10 @@ pub(crate) struct Work {
     pub(crate) skips: bool,
     /// Composite inertias.
     pub(crate) crb: Vec<[f64; 10]>,
-    /// Motion axes of four degrees of freedom at a time, by components.
+    /// Motion axes on the way to a degree of freedom: four at a time, by components.
     pub(crate) axes: Vec<[Lanes; 6]>,
+    /// A way through a tree.
+    pub(crate) way: Way,
     /// Accelerations of bodies.
     pub(crate) acc: Vec<[f64; 6]>,
     /// Forces on bodies.
@@ -85,14 +88,15 @@ impl Work {
             island_trees: Vec::with_capacity(trees),
             island_blocks: Vec::with_capacity(bounds.blocks),
             islands: Vec::with_capacity(trees),
-            newton: buffers::Buffers::new(nv, bounds.rows, bounds.blocks, cones),
+            newton: buffers::Buffers::new(m, bounds.rows, bounds.blocks, cones),
             pgs: pgs::Buffers::new(m, &bounds),
             implicit: implicit::Buffers::new(m),
             sizes: Some(m.plan().sizes),
             pushed: false,
             skips: false,
             crb: vec![[0.0; 10]; m.nbody()],
-            axes: vec![[[0.0; 4]; 6]; dense::groups(nv)],
+            axes: vec![[[0.0; 4]; 6]; m.plan().m_groups],
+            way: Way::new(m),
             acc: vec![[0.0; 6]; m.nbody()],
             body_force: vec![[0.0; 6]; m.nbody()],
             body_velocity: Vec::with_capacity(m.nbody()),

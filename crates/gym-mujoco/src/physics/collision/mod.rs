@@ -50,27 +50,22 @@ struct Hit {
 /// Finds all contacts: MuJoCo's `mj_collision`.
 pub fn collision(m: &Model, d: &mut Data) {
     d.contact.clear();
-    let plan = m.plan();
+    let (plan, n) = (m.plan(), m.ngeom());
+    let (xpos, xmat) = (&d.geom_xpos[..n], &d.geom_xmat[..n]);
     for (index, reach) in plan.reaches.iter().enumerate() {
-        if out_of_reach(d, reach) {
+        if out_of_reach(xpos, xmat, reach) {
             continue;
         }
-        let frames = plan.pairs[index]
-            .geom
-            .map(|g| (d.geom_xpos[g], &d.geom_xmat[g]));
+        let frames = plan.pairs[index].geom.map(|g| (xpos[g], &xmat[g]));
         let inertial = |body: usize| (d.xipos[body], d.ximat[body]);
-        touch(
-            m,
-            index,
-            (frames, inertial),
-            &mut d.work.polytope,
-            &mut d.contact,
-        );
+        let polytope = &mut d.work.polytope;
+        touch(m, index, (frames, inertial), polytope, &mut d.contact);
     }
 }
 
 /// Adds the contacts of a pair of geoms whose bounding volumes touch. The caller gives the frames
 /// of the geoms, and the inertial frames of bodies.
+#[inline(never)]
 pub(in crate::physics) fn touch(
     m: &Model,
     index: usize,
@@ -155,11 +150,11 @@ pub(in crate::physics) fn touch(
 
 /// Whether two bounding spheres, or a plane and a bounding sphere, are too far apart to touch.
 #[inline]
-fn out_of_reach(d: &Data, reach: &Reach) -> bool {
+fn out_of_reach(xpos: &[Vec3], xmat: &[Mat3], reach: &Reach) -> bool {
     let [g1, g2] = reach.geom;
-    let between = sub(d.geom_xpos[g2], d.geom_xpos[g1]);
+    let between = sub(xpos[g2], xpos[g1]);
     let along = if reach.plane {
-        column(&d.geom_xmat[g1], 2)
+        column(&xmat[g1], 2)
     } else {
         between
     };

@@ -73,7 +73,7 @@ impl Arrays {
             at,
             composite,
             #[inline(always)]
-            |_, _, _| 0,
+            |_, _, _| false,
         );
         copy(at, &self.qm, &mut self.qld);
         let own = (&mut self.qld[..], &mut self.qld_diag_inv[..]);

@@ -2,8 +2,10 @@
 
 use super::line_search::Row;
 use super::row_costs::{ConeHessian, Piece, State};
+use crate::Model;
 use crate::physics::constraint::Block;
 use crate::physics::dense::{self, Lanes};
+use crate::physics::inertia::Way;
 
 /// The buffers of the primal solvers.
 #[derive(Clone, Debug, Default)]
@@ -19,6 +21,7 @@ pub(crate) struct Buffers {
     pub(super) search: Vec<Lanes>,
     pub(super) mv: Vec<Lanes>,
     pub(super) row_update: Vec<Lanes>,
+    pub(super) way: Way,
     /// The number of degrees of freedom of the last island.
     pub(super) last: usize,
     /// The Hessian's lower triangle by columns, then its factor.
@@ -63,10 +66,14 @@ pub(super) struct Gathered {
 }
 
 impl Buffers {
-    /// Allocates the buffers for a model with `nv` degrees of freedom and at most `rows` rows,
-    /// `blocks` blocks and `cones` elliptic cones.
-    pub(crate) fn new(nv: usize, rows: usize, blocks: usize, cones: usize) -> Self {
-        let mut buffers = Self::default();
+    /// Allocates the buffers for `m` and at most `rows` rows, `blocks` blocks and `cones` elliptic
+    /// cones.
+    pub(crate) fn new(m: &Model, rows: usize, blocks: usize, cones: usize) -> Self {
+        let nv = m.nv();
+        let mut buffers = Self {
+            way: Way::new(m),
+            ..Self::default()
+        };
         buffers.ma_start.resize(nv, 0.0);
         let groups = dense::groups(nv);
         for vector in [

@@ -14,6 +14,27 @@ use crate::physics::spatial::MINVAL;
 /// pivot below `MINVAL` is replaced by `MINVAL`.
 #[inline(always)]
 pub(super) fn factor(matrix: &mut [Lanes], n: usize, stride: usize) {
+    with_stride(
+        stride,
+        #[inline(always)]
+        |stride| factor_columns(matrix, n, stride),
+    );
+}
+
+/// Calls a function with a stride. The strides of most models are constants there, so that the
+/// compiler unrolls loops.
+#[inline(always)]
+fn with_stride(stride: usize, mut call: impl FnMut(usize)) {
+    match stride {
+        2 => call(2),
+        3 => call(3),
+        4 => call(4),
+        other => call(other),
+    }
+}
+
+#[inline(always)]
+fn factor_columns(matrix: &mut [Lanes], n: usize, stride: usize) {
     for j in 0..n {
         let (before, column) = matrix.split_at_mut(j * stride);
         let (first, lane) = (j / 4, j % 4);
@@ -82,6 +103,16 @@ pub(super) fn solve(
     x: &mut [Lanes],
     revision: Revision,
 ) {
+    with_stride(
+        stride,
+        #[inline(always)]
+        |stride| substitute(factor, n, stride, x, revision),
+    );
+}
+
+#[inline(always)]
+fn substitute(factor: &[Lanes], n: usize, stride: usize, x: &mut [Lanes], revision: Revision) {
+    let x = &mut x[..stride];
     for g in 0..stride {
         // subtract the products of all columns before the current four rows
         let known = x[..g].as_flattened();

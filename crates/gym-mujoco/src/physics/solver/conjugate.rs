@@ -4,7 +4,6 @@
 use super::buffers::Buffers;
 use super::newton::{Problem, dot, norm, search, update};
 use crate::physics::dense::{Lanes, add_scaled, times};
-use crate::physics::inertia::solve_tree;
 use crate::physics::spatial::MINVAL;
 
 /// Takes steps along conjugate directions. Returns the number of steps.
@@ -53,7 +52,7 @@ fn precondition(problem: &Problem<'_>, b: &mut Buffers) {
     b.mgrad.copy_from_slice(&b.grad);
     for (dofs, place) in problem.places() {
         let x = &mut b.mgrad.as_flattened_mut()[place];
-        solve_tree(problem.m, problem.qld, problem.qld_diag_inv, &dofs, x);
+        problem.solve_tree(&dofs, &mut b.way, x);
     }
 }
 

@@ -18,7 +18,7 @@ use super::{cholesky, conjugate, cost_of_rows, residuals};
 use crate::model::{Disable, Solver};
 use crate::physics::constraint::{Block, Constraints, mul_jacobian};
 use crate::physics::dense::{self, Lanes, add_scaled, combine, minus, times};
-use crate::physics::inertia::{mul_m_tree, multiply, solve_tree};
+use crate::physics::inertia::{Way, mul_m_tree, multiply, solve_tree};
 use crate::physics::spatial::MINVAL;
 use crate::{Data, Model};
 
@@ -32,7 +32,7 @@ pub(super) fn solve(m: &Model, d: &mut Data) {
     // have a lower cost
     b.jar.resize(efc.nefc(), 0.0);
     residuals(m, efc, &d.qacc_warmstart, &mut work.dofs, &mut b.jar);
-    multiply(m, &d.qm, &d.qacc_warmstart, &mut b.ma_start);
+    multiply(m, &d.qm, &mut b.way, &d.qacc_warmstart, &mut b.ma_start);
     let general = !m.plan().inequalities_only;
     let row_costs = RowCosts {
         blocks: &efc.blocks,
@@ -146,8 +146,8 @@ pub(super) struct Problem<'a> {
     pub(super) n: usize,
     // over all degrees of freedom of the model
     qm: &'a [f64],
-    pub(super) qld: &'a [f64],
-    pub(super) qld_diag_inv: &'a [f64],
+    qld: &'a [f64],
+    qld_diag_inv: &'a [f64],
     qfrc_smooth: &'a [f64],
     // over the island's rows
     blocks: &'a [Block],
@@ -188,15 +188,21 @@ impl Problem<'_> {
         mul_jacobian(self.blocks, self.jac, self.stride, x, self.n, out);
     }
 
+    /// Replaces the numbers `x` of a tree by `M^-1 x`.
+    #[inline(always)]
+    pub(super) fn solve_tree(&self, dofs: &Range<usize>, way: &mut Way, x: &mut [f64]) {
+        solve_tree(self.m, self.qld, self.qld_diag_inv, dofs, way, x);
+    }
+
     /// Computes `M x`.
     #[inline(always)]
-    fn mul_m(&self, x: &[Lanes], y: &mut [Lanes]) {
+    fn mul_m(&self, way: &mut Way, x: &[Lanes], y: &mut [Lanes]) {
         for (dofs, place) in self.places() {
             let (x, y) = (
                 &x.as_flattened()[place.clone()],
                 &mut y.as_flattened_mut()[place],
             );
-            mul_m_tree(self.m, self.qm, &dofs, x, y);
+            mul_m_tree(self.m, self.qm, &dofs, way, x, y);
         }
     }
 }
@@ -257,7 +263,7 @@ fn solve_island(
         }
     }
     let (scale, tolerance) = (1.0 / inertia, m.opt.tolerance);
-    problem.mul_m(&b.acc, &mut b.ma);
+    problem.mul_m(&mut b.way, &b.acc, &mut b.ma);
     if !whole {
         b.jar.resize(nefc, 0.0);
         problem.mul_jacobian(&b.acc, &mut b.jar);
@@ -313,7 +319,7 @@ fn iterate(problem: &Problem<'_>, b: &mut Buffers, scale: f64, tolerance: f64) -
             b.mgrad.copy_from_slice(&b.grad);
             for (dofs, place) in problem.places() {
                 let x = &mut b.mgrad.as_flattened_mut()[place];
-                solve_tree(m, problem.qld, problem.qld_diag_inv, &dofs, x);
+                problem.solve_tree(&dofs, &mut b.way, x);
             }
             if decrement(b) < tolerance {
                 return 0;
@@ -327,12 +333,12 @@ fn iterate(problem: &Problem<'_>, b: &mut Buffers, scale: f64, tolerance: f64) -
             hessian(problem, b);
         }
         b.mgrad.copy_from_slice(&b.grad);
-        if problem.row_costs.is_some() && !b.cones.is_empty() {
+        let coned = problem.row_costs.is_some() && !b.cones.is_empty();
+        if coned {
             add_cones(problem, b);
-            cholesky::solve(&b.with_cones, n, problem.stride, &mut b.mgrad, m.revision);
-        } else {
-            cholesky::solve(&b.hessian, n, problem.stride, &mut b.mgrad, m.revision);
         }
+        let factor = if coned { &b.with_cones } else { &b.hessian };
+        cholesky::solve(factor, n, problem.stride, &mut b.mgrad, m.revision);
         if iteration == m.opt.iterations || ((level || iteration > 0) && decrement(b) < tolerance) {
             return iteration;
         }
@@ -521,7 +527,7 @@ pub(super) fn search(problem: &Problem<'_>, b: &mut Buffers, scale: f64) -> (f64
     if length < MINVAL {
         return (0.0, 0.0);
     }
-    problem.mul_m(&b.search, &mut b.mv);
+    problem.mul_m(&mut b.way, &b.search, &mut b.mv);
     problem.mul_jacobian(&b.search, &mut b.jv);
     b.rows.clear();
     b.pieces.clear();

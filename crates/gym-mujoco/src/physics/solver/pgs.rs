@@ -160,7 +160,8 @@ pub(super) fn forces(m: &Model, d: &mut Data) {
 pub(super) fn finish(m: &Model, d: &mut Data) {
     add_forces(m, d);
     d.qacc.copy_from_slice(&d.qfrc_constraint);
-    inertia::solve(m, &d.qld, &d.qld_diag_inv, &mut d.qacc);
+    let (inverses, way) = (&d.qld_diag_inv, &mut d.work.way);
+    inertia::solve(m, &d.qld, inverses, way, &mut d.qacc);
     for (a, smooth) in d.qacc.iter_mut().zip(&d.qacc_smooth) {
         *a += smooth;
     }

@@ -23,11 +23,11 @@ pub(crate) struct Body {
     pub(crate) mass: f64,
     /// The principal moments of inertia.
     pub(crate) moments: [f64; 3],
-    /// The inverse of the mass of the body and its descendants; `None` if they have none.
+    /// The inverse of the mass of the body and its descendants; `None` without mass.
     pub(crate) inverse_mass: Option<f64>,
 }
 
-/// What a body's frame starts from, before joints move it.
+/// The source of a body's frame, before joints move the body.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Base {
     /// A free joint gives the frame.
@@ -52,7 +52,7 @@ pub(crate) struct Joint {
     pub(crate) rest: f64,
     pub(crate) axis: [f64; 3],
     pub(crate) origin: [f64; 3],
-    /// Whether the origin differs from that of the body.
+    /// Whether the origin differs from the origin of the body.
     pub(crate) anchored: bool,
 }
 
@@ -67,7 +67,7 @@ pub(crate) struct Pose {
 }
 
 impl Pose {
-    /// A frame that is nearly equal to the body's is replaced by it: MuJoCo's `sameframe`.
+    /// The body's frame replaces a frame that is nearly equal: MuJoCo's `sameframe`.
     pub(super) fn within(pos: [f64; 3], quat: [f64; 4]) -> Self {
         let turned = !same_quat(&quat, &UNTURNED);
         Self {

@@ -75,7 +75,8 @@ fn read_axes(cdof: &[Vec6], depths: &[usize], axes: &mut [[Lanes; 6]]) -> usize 
 }
 
 /// [`crb`] for one world or several. `begin` may compute a row, and the elements that are stored
-/// after its end, from the force of the row's degree of freedom, and returns whether it did.
+/// after the end of the row, from the force of the row's degree of freedom. `begin` returns true if
+/// it computed the row.
 #[inline(always)]
 pub(crate) fn crb_of<N: Number>(
     m: &Model,

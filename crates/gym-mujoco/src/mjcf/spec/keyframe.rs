@@ -3,7 +3,7 @@
 use crate::Result;
 use crate::mjcf::xml::{Element, Place};
 
-/// A keyframe. Parts that it leaves out are those of the initial configuration.
+/// A keyframe. Missing parts have the values of the initial configuration.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct Key {
     pub(crate) place: Place,

@@ -5,6 +5,11 @@
 //! columns of an ancestor are then the first columns of a descendant, and factors `L' D L`, made
 //! from the last row on, fill in nothing.
 
+#![expect(
+    clippy::needless_range_loop,
+    reason = "indices are those of the formulas"
+)]
+
 use std::ops::Range;
 
 use super::dense::{self, Lanes, minus, plus, times};
@@ -415,6 +420,7 @@ fn mul_m_chunks<const C: usize>(rows: Rows<'_, C>, way: &mut Way, x: &[f64], y: 
 }
 
 /// The rows of a tree's degrees of freedom, in chunks of `C` groups of four.
+#[derive(Clone, Copy)]
 struct Rows<'a, const C: usize> {
     plan: &'a Plan,
     first: usize,

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use gym_mujoco::{Data, Model, forward, physics, step};
+use gym_mujoco::{CompiledModel, Data, Model, forward, physics, step};
 use serde_json::{Value as Json, json};
 
 const MODELS: [&str; 13] = [
@@ -342,6 +342,25 @@ fn damaged_figures_are_refused_or_work() {
         }
     }
     assert!(refused > 500, "{refused}");
+}
+
+/// The rows of the inertia matrix share the columns of common ancestors only if descendants follow
+/// their ancestor.
+#[test]
+fn degrees_of_freedom_that_leave_the_order_of_the_tree_are_refused() {
+    let body = |name: &str| format!("<body><joint name=\"{name}\"/><geom size=\".1\"/></body>");
+    let bodies = ["a", "b", "c"].map(body).concat();
+    let model = Model::from_xml(&format!(
+        "<mujoco><worldbody>{bodies}</worldbody></mujoco>"
+    ))
+    .unwrap();
+    let mut compiled = CompiledModel::clone(&model);
+    // the third body becomes a child of the first, behind the second
+    (compiled.body_parentid[3], compiled.body_rootid[3]) = (1, 1);
+    (compiled.dof_parentid[2], compiled.dof_treeid[2]) = (0, 0);
+    compiled.body_treeid[3] = 0;
+    let error = Model::new(compiled).unwrap_err().to_string();
+    assert!(error.contains("must follow its parent"), "{error}");
 }
 
 /// Newton's method continues after a step that increases the cost, so a short line search finds the

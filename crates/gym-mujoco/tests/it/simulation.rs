@@ -350,10 +350,8 @@ fn damaged_figures_are_refused_or_work() {
 fn degrees_of_freedom_that_leave_the_order_of_the_tree_are_refused() {
     let body = |name: &str| format!("<body><joint name=\"{name}\"/><geom size=\".1\"/></body>");
     let bodies = ["a", "b", "c"].map(body).concat();
-    let model = Model::from_xml(&format!(
-        "<mujoco><worldbody>{bodies}</worldbody></mujoco>"
-    ))
-    .unwrap();
+    let model =
+        Model::from_xml(&format!("<mujoco><worldbody>{bodies}</worldbody></mujoco>")).unwrap();
     let mut compiled = CompiledModel::clone(&model);
     // the third body becomes a child of the first, behind the second
     (compiled.body_parentid[3], compiled.body_rootid[3]) = (1, 1);

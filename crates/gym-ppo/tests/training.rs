@@ -104,6 +104,8 @@ fn killed_and_resumed(id: &str, total: u64) {
     let video = folder.path().join("videos");
     let output = program(folder.path())
         .args(["evaluate", "killed", "--episodes", "2", "--video", "videos"])
+        // (drawing a whole episode takes a minute without optimisation)
+        .args(["--frames", "50"])
         .stdout(Stdio::piped())
         .output()
         .unwrap();

@@ -54,7 +54,7 @@ class Writer:
         return "".join(f' {name}="{value() if callable(value) else value}"' for name, value in chosen)
 
     def softness(self, suffix=""):
-        refs = lambda: self.one_of(self.number(0.01, 0.05), f"{self.number(0.01, 0.05)} {self.number(0.5, 1.5)}", "-80 -3")
+        refs = lambda: self.one_of(f"{self.number(0.01, 0.05)} {self.number(0.5, 1.5)}", "-80 -3")
         imps = lambda: self.one_of(self.number(0.5, 0.9), ".8 .9 .01", ".8 .9 .01 .4 3")
         return {f"solref{suffix}": refs, f"solimp{suffix}": imps}
 

@@ -276,8 +276,8 @@ pub fn reports_with(ids: &[String], tell: impl Fn(Progress<'_>) + Sync) -> Resul
         .iter()
         .map(|id| registry::resolve(id)?.0.spec())
         .collect::<Result<Vec<_>>>()?;
-    // two threads for each core, because the check of the clock waits for a second
-    let workers = 2 * thread::available_parallelism().map_or(1, usize::from);
+    // four threads for each core, because the check of the clock waits for a second
+    let workers = 4 * thread::available_parallelism().map_or(1, usize::from);
     let workers = workers.min(specs.len().max(1));
     // Each thread takes the last remaining spec. Some environments take a hundred times as long as
     // others; the slowest are last in the order of ids (`rapier/CarRacing-v3`).

@@ -39,6 +39,14 @@ pub(crate) struct Scalar {
 }
 
 impl ModelConstraints {
+    /// The connect or weld constraint `id`; `None` for a constraint of joints or tendons.
+    pub(crate) fn of_bodies(&self, id: usize) -> Option<&Equality> {
+        let of_bodies = [EqualityType::Connect, EqualityType::Weld];
+        self.equalities
+            .iter()
+            .find(|equality| equality.id == id && of_bodies.contains(&equality.kind))
+    }
+
     pub(crate) fn new(m: &CompiledModel) -> Self {
         let on = |part| !m.opt.disables(Disable::Constraint) && !m.opt.disables(part);
         let mut constraints = Self::default();

@@ -20,20 +20,10 @@ pub(super) fn subtract(m: &Model, d: &mut Data) {
             continue;
         };
         let row = block.row;
-        let weld = match m.eq_type[id] {
-            EqualityType::Connect => false,
-            EqualityType::Weld => true,
-            EqualityType::Joint | EqualityType::Tendon => continue,
-        };
-        let Some(constraint) = m
-            .plan()
-            .constraints
-            .equalities
-            .iter()
-            .find(|constraint| constraint.id == id)
-        else {
+        let Some(constraint) = m.plan().constraints.of_bodies(id) else {
             continue;
         };
+        let weld = constraint.kind == EqualityType::Weld;
         let points = anchors(m, d, constraint);
         let [first, second] = [0, 1].map(|k| of_point(m, d, constraint.bodies[k], points[k]));
         for k in 0..3 {

@@ -20,6 +20,21 @@ pub(crate) fn total(sums: &Lanes) -> f64 {
     (sums[0] + sums[2]) + (sums[1] + sums[3])
 }
 
+/// The sums of the products at each of the four places.
+#[inline(always)]
+fn products(a: &[Lanes], b: &[Lanes]) -> Lanes {
+    let mut sums = [0.0; 4];
+    for (a, b) in a.iter().zip(b) {
+        sums = [
+            sums[0] + a[0] * b[0],
+            sums[1] + a[1] * b[1],
+            sums[2] + a[2] * b[2],
+            sums[3] + a[3] * b[3],
+        ];
+    }
+    sums
+}
+
 /// The product of two vectors of `n` elements: MuJoCo's `mju_dot`.
 ///
 /// A vector may be shorter, by whole groups, if the missing elements are zeros.
@@ -29,16 +44,7 @@ pub(crate) fn dot(a: &[Lanes], b: &[Lanes], n: usize) -> f64 {
     let groups = a.len().min(b.len());
     let (a, b) = (&a[..groups], &b[..groups]);
     let whole = groups.min(full);
-    let mut sums = [0.0; 4];
-    for (a, b) in a[..whole].iter().zip(&b[..whole]) {
-        sums = [
-            sums[0] + a[0] * b[0],
-            sums[1] + a[1] * b[1],
-            sums[2] + a[2] * b[2],
-            sums[3] + a[3] * b[3],
-        ];
-    }
-    let sum = total(&sums);
+    let sum = total(&products(&a[..whole], &b[..whole]));
     match (a.get(full), b.get(full)) {
         (Some(a), Some(b)) if n > 4 * full => sum + (a[0] * b[0] + a[1] * b[1] + a[2] * b[2]),
         _ => sum,
@@ -79,16 +85,7 @@ pub(crate) fn dot_sparse(a: &[f64], columns: &[usize], x: &[f64]) -> f64 {
 #[inline(always)]
 pub(crate) fn dot_one_by_one(a: &[Lanes], b: &[Lanes], n: usize) -> f64 {
     let whole = n / 4;
-    let mut sums = [0.0; 4];
-    for (a, b) in a[..whole].iter().zip(&b[..whole]) {
-        sums = [
-            sums[0] + a[0] * b[0],
-            sums[1] + a[1] * b[1],
-            sums[2] + a[2] * b[2],
-            sums[3] + a[3] * b[3],
-        ];
-    }
-    let mut sum = total(&sums);
+    let mut sum = total(&products(&a[..whole], &b[..whole]));
     let (a, b) = (&a.as_flattened()[..n], &b.as_flattened()[..n]);
     for k in 4 * whole..n {
         sum += a[k] * b[k];

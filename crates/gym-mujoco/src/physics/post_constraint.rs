@@ -69,23 +69,13 @@ fn equalities(m: &Model, d: &mut Data) {
         let Source::Equality(id) = block.source else {
             continue;
         };
-        let weld = match m.eq_type[id] {
-            EqualityType::Connect => false,
-            EqualityType::Weld => true,
-            EqualityType::Joint | EqualityType::Tendon => continue,
+        let Some(constraint) = m.plan().constraints.of_bodies(id) else {
+            continue;
         };
+        let weld = constraint.kind == EqualityType::Weld;
         let three = |first: usize| -> Vec3 { std::array::from_fn(|k| d.efc.force[first + k]) };
         let force = three(block.row);
         let torque = if weld { three(block.row + 3) } else { [0.0; 3] };
-        let Some(constraint) = m
-            .plan()
-            .constraints
-            .equalities
-            .iter()
-            .find(|constraint| constraint.id == id)
-        else {
-            continue;
-        };
         let torque = if weld && m.revision == Revision::V4_0 {
             rows::weld_torque(m, d, constraint, torque)
         } else {

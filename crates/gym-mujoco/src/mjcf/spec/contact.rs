@@ -1,6 +1,6 @@
 //! Exclusions and contact pairs.
 
-use super::{SOLIMP, SOLREF, read_solref, replace, replace_some};
+use super::{SOLIMP, SOLREF, read_condim, read_solref, replace, replace_some};
 use crate::Result;
 use crate::mjcf::xml::{Element, Place};
 
@@ -51,14 +51,7 @@ impl Pair {
         for (name, geom) in ["geom1", "geom2"].into_iter().zip(&mut self.geoms) {
             replace_some(geom, element.text(name));
         }
-        if let Some(condim) = element.integer("condim")? {
-            if !matches!(condim, 1 | 3 | 4 | 6) {
-                return Err(self
-                    .place
-                    .attribute("condim", format!("is {condim}: use 1, 3, 4 or 6")));
-            }
-            self.condim = condim;
-        }
+        replace(&mut self.condim, read_condim(element)?);
         element.up_to("friction", &mut self.friction)?;
         read_solref(element, "solref", &mut self.solref)?;
         element.up_to("solreffriction", &mut self.solref_friction)?;

@@ -192,6 +192,18 @@ impl Material {
     }
 }
 
+/// Reads `condim`, the number of dimensions of a contact's force.
+fn read_condim(element: &mut Element<'_, '_>) -> Result<Option<u8>> {
+    match element.integer("condim")? {
+        None => Ok(None),
+        Some(condim) if matches!(condim, 1 | 3 | 4 | 6) => Ok(Some(condim)),
+        Some(condim) => {
+            let reason = format!("is {condim}: use 1, 3, 4 or 6");
+            Err(element.place().attribute("condim", reason))
+        }
+    }
+}
+
 /// Reads `solref`: time constant and damping ratio, or MuJoCo's direct form, in which both are
 /// negative.
 fn read_solref(

@@ -1,6 +1,6 @@
 //! Joints, geoms and sites.
 
-use super::{GREY, LIMITED, SOLIMP, SOLREF, read_solref, replace, replace_some};
+use super::{GREY, LIMITED, SOLIMP, SOLREF, read_condim, read_solref, replace, replace_some};
 use crate::Result;
 use crate::mjcf::orientation::{Orientation, norm};
 use crate::mjcf::xml::{Element, Place};
@@ -166,14 +166,7 @@ impl Geom {
         if self.friction.iter().any(|x| *x < 0.0) {
             return Err(self.place.attribute("friction", "must not be negative"));
         }
-        if let Some(condim) = element.integer("condim")? {
-            if !matches!(condim, 1 | 3 | 4 | 6) {
-                return Err(self
-                    .place
-                    .attribute("condim", format!("is {condim}: use 1, 3, 4 or 6")));
-            }
-            self.condim = condim;
-        }
+        replace(&mut self.condim, read_condim(element)?);
         // bit masks, which may be given as negative numbers
         replace(
             &mut self.contype,

@@ -2,7 +2,7 @@
 //! weld constraints: MuJoCo's `mj_Jdotv`.
 
 use super::constraint::Source;
-use super::dense::dot_slices;
+use super::dense::sum_of_columns;
 use super::rows::{anchors, mul_quat_axis, orientations};
 use super::spatial::{
     InTurn, Order, Pairwise, Quat, Vec3, add, cross, cross_motion, rotation, sub, transform_motion,
@@ -45,11 +45,10 @@ pub(super) fn subtract(m: &Model, d: &mut Data) {
 /// The linear and angular acceleration of a point of a body if `qacc` is zero: MuJoCo's `mj_jacDot`
 /// times the velocities.
 fn of_point(m: &Model, d: &Data, body: usize, point: Vec3) -> (Vec3, Vec3) {
-    let mut rows = vec![[0.0; 6]; m.nv()];
     let com = d.subtree_com[m.body_rootid[body]];
     let offset = sub(point, com);
     let velocity = translation(&transform_motion(&d.cvel[body], point, com));
-    for &dof in m.plan().chain(body) {
+    let column = |dof: usize| {
         let joint = m.dof_jntid[dof];
         let quat = match m.jnt_type[joint] {
             JointType::Ball => true,
@@ -62,18 +61,20 @@ fn of_point(m: &Model, d: &Data, body: usize, point: Vec3) -> (Vec3, Vec3) {
         } else {
             d.cdof_dot[dof]
         };
-        let moved = add(
+        let [x, y, z] = add(
             add(translation(&change), cross(rotation(&change), offset)),
             cross(rotation(axis), velocity),
         );
-        let [x, y, z] = rotation(&change);
-        rows[dof] = [moved[0], moved[1], moved[2], x, y, z];
-    }
-    let sum = |k: usize| {
-        let row: Vec<f64> = rows.iter().map(|row| row[k]).collect();
-        dot_slices(&row, &d.qvel)
+        let [turn_x, turn_y, turn_z] = rotation(&change);
+        [x, y, z, turn_x, turn_y, turn_z]
     };
-    ([sum(0), sum(1), sum(2)], [sum(3), sum(4), sum(5)])
+    let mut chain = m.plan().chain(body).iter().peekable();
+    let columns = (0..m.nv()).map(|dof| {
+        let moves = chain.next_if_eq(&&dof).is_some();
+        (if moves { column(dof) } else { [0.0; 6] }, d.qvel[dof])
+    });
+    let [x, y, z, turn_x, turn_y, turn_z] = sum_of_columns(m.nv(), columns);
+    ([x, y, z], [turn_x, turn_y, turn_z])
 }
 
 /// The rate of change of quaternion `q` at the angular velocity `w` in the world's frame: MuJoCo's

@@ -63,6 +63,27 @@ pub(crate) fn dot_slices(a: &[f64], b: &[f64]) -> f64 {
     rest.map_or(sum, |rest| sum + rest)
 }
 
+/// The product of a matrix of six rows with a vector, each element in the order of `mju_dot`.
+/// `columns` are the `n` columns of the matrix, each with its element of the vector.
+pub(crate) fn sum_of_columns(n: usize, columns: impl Iterator<Item = ([f64; 6], f64)>) -> [f64; 6] {
+    let mut sums = [[0.0; 4]; 6];
+    let mut rest: Option<[f64; 6]> = None;
+    for (j, (column, x)) in columns.enumerate() {
+        let products = column.map(|element| element * x);
+        if j < n - n % 4 {
+            for (sums, product) in sums.iter_mut().zip(products) {
+                sums[j % 4] += product;
+            }
+        } else {
+            rest = Some(rest.map_or(products, |rest| {
+                std::array::from_fn(|k| rest[k] + products[k])
+            }));
+        }
+    }
+    let whole = sums.map(|sums| total(&sums));
+    rest.map_or(whole, |rest| std::array::from_fn(|k| whole[k] + rest[k]))
+}
+
 /// The scalar product of `a` with the elements `columns` of `x`: MuJoCo's `mju_dotSparse`, which
 /// adds the products after the last full group of four one by one.
 #[inline(always)]

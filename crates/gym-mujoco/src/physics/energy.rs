@@ -1,6 +1,6 @@
 //! Potential and kinetic energy.
 
-use super::inertia::mul_m;
+use super::inertia::multiply;
 use super::spatial::{InTurn, Order, Pairwise, Vec3, dot, norm, sub};
 use crate::model::{Disable, JointType};
 use crate::physics::dense::dot_slices;
@@ -59,11 +59,10 @@ fn turn(m: &Model, d: &Data, p: usize) -> f64 {
 
 /// The kinetic energy, `v' M v / 2`: MuJoCo's `mj_energyVel`.
 pub(super) fn kinetic(m: &Model, d: &mut Data) -> f64 {
-    let mut momentum = std::mem::take(&mut d.work.damper);
-    mul_m(m, d, &d.qvel, &mut momentum);
-    let energy = 0.5 * dot_slices(&momentum, &d.qvel);
-    d.work.damper = momentum;
-    energy
+    let work = &mut d.work;
+    let momentum = &mut work.damper;
+    multiply(m, &d.qm, &mut work.way, &d.qvel, momentum);
+    0.5 * dot_slices(momentum, &d.qvel)
 }
 
 /// Computes potential and kinetic energy, and stores them in `energy`: MuJoCo's `mj_energyPos` and

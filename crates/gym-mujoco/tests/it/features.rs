@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use gym_mujoco::{Model, recording};
+use gym_mujoco::{Data, Model, Revision, recording, step};
 use serde_json::{Map, Value};
 
 use crate::common::same;
@@ -76,6 +76,36 @@ fn features_are_as_in_libmujoco() {
         }
     }
     assert!(compared >= 80, "{compared} compared");
+}
+
+#[test]
+fn a_step_of_no_feature_allocates() {
+    let mut models = 0;
+    for path in recordings() {
+        let text = std::fs::read_to_string(&path).unwrap();
+        let file: Map<String, Value> = serde_json::from_str(&text).unwrap();
+        let xml = file["xml"].as_str().unwrap();
+        for revision in Revision::ALL {
+            let Ok(m) = Model::from_xml_with(xml, revision) else {
+                continue;
+            };
+            models += 1;
+            let mut d = Data::new(&m);
+            for i in 0..100 {
+                let push = f64::from(i % 7) - 3.0;
+                d.ctrl.fill(push);
+                d.qfrc_applied.fill(0.1 * push);
+                let count = allocation_counter::measure(|| step(&m, &mut d)).count_total;
+                // the first step makes the buffers of the model's solver and integrator
+                assert!(
+                    count == 0 || i == 0,
+                    "{}, {revision}, step {i}",
+                    file["name"]
+                );
+            }
+        }
+    }
+    assert!(models >= 80, "{models} models");
 }
 
 /// A folder with a model in several files. A drop removes the folder.

@@ -93,15 +93,8 @@ fn elastic_tendons(m: &Model, d: &mut Data) {
         *force = damper_force((), d.qvel[i], plan.damping[i]);
     }
     for &(t, stiffness, damping) in &plan.paths.elastic {
-        let (length, [lower, upper]) = (d.ten_length[t], m.tendon_lengthspring[t]);
-        let x = if length > upper {
-            length - upper
-        } else if length < lower {
-            length - lower
-        } else {
-            0.0
-        };
-        let (spring, damp) = (-x * stiffness, -d.ten_velocity[t] * damping);
+        let spring = tendon_spring_force(d.ten_length[t], m.tendon_lengthspring[t], stiffness);
+        let damp = -d.ten_velocity[t] * damping;
         if spring == 0.0 && damp == 0.0 {
             continue;
         }
@@ -114,6 +107,18 @@ fn elastic_tendons(m: &Model, d: &mut Data) {
     for (force, damper) in d.qfrc_passive.iter_mut().zip(damper) {
         *force += *damper;
     }
+}
+
+/// The force of a tendon's spring at a length. There is none between the lengths `rest`.
+pub(super) fn tendon_spring_force(length: f64, [lower, upper]: [f64; 2], stiffness: f64) -> f64 {
+    let stretch = if length > upper {
+        length - upper
+    } else if length < lower {
+        length - lower
+    } else {
+        0.0
+    };
+    -stretch * stiffness
 }
 
 /// Adds gravity compensation, except for joints whose actuators apply it: MuJoCo's `mj_gravcomp`.

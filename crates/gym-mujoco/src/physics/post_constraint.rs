@@ -2,10 +2,14 @@
 
 use super::constraint::Source;
 use super::contact_force::force_of;
+use super::passive::tendon_spring_force;
 use super::rows;
-use super::spatial::{Vec3, add_to, cross, cross_force, join, mul_inertia, rotate_back, sub};
+use super::spatial::{
+    Vec3, add_to, cross, cross_force, join, mul_inertia, rotate_back, scale, sub,
+};
+use super::tendon::along_path;
 use super::velocity::{along, dofs};
-use crate::model::EqualityType;
+use crate::model::{EqualityType, TransmissionType};
 use crate::{Contact, Data, Model, Revision};
 
 /// Computes `cfrc_ext` from the contacts of the last forward call, then `cacc` and `cfrc_int`:
@@ -14,6 +18,9 @@ pub fn rne_post_constraint(m: &Model, d: &mut Data) {
     d.contact_forces = true;
     contacts(m, d);
     equalities(m, d);
+    if m.revision == Revision::V4_0 {
+        tendons(m, d);
+    }
     if m.plan().internal {
         internal(m, d);
     }
@@ -55,11 +62,23 @@ pub(super) fn push_apart(
     let torque = rotate_back(&contact.frame, [f[3], f[4], f[5]]);
     for (geom, sign) in [(contact.geom[0], -1.0), (contact.geom[1], 1.0)] {
         let body = m.geom_bodyid[geom];
-        if body > 0 {
-            let offset = sub(com(m.body_rootid[body]), contact.pos);
-            let about = sub(torque, cross(offset, force));
-            add_to(&mut cfrc_ext[body], &join(about, force), sign);
-        }
+        let com = com(m.body_rootid[body]);
+        add_at(cfrc_ext, (body, com), contact.pos, [torque, force], sign);
+    }
+}
+
+/// Adds `sign` times a torque and a force at a `point` of a `body` to the forces on bodies. `com` is
+/// the centre of mass of the body's tree.
+fn add_at(
+    cfrc_ext: &mut [[f64; 6]],
+    (body, com): (usize, Vec3),
+    point: Vec3,
+    [torque, force]: [Vec3; 2],
+    sign: f64,
+) {
+    if body > 0 {
+        let about = sub(torque, cross(sub(com, point), force));
+        add_to(&mut cfrc_ext[body], &join(about, force), sign);
     }
 }
 
@@ -84,12 +103,78 @@ fn equalities(m: &Model, d: &mut Data) {
         let points = rows::anchors(m, d, constraint);
         for (k, sign) in [(0, 1.0), (1, -1.0)] {
             let body = constraint.bodies[k];
-            if body > 0 {
-                let offset = sub(d.subtree_com[m.body_rootid[body]], points[k]);
-                let about = sub(torque, cross(offset, force));
-                add_to(&mut d.cfrc_ext[body], &join(about, force), sign);
+            let com = d.subtree_com[m.body_rootid[body]];
+            let wrench = [torque, force];
+            add_at(&mut d.cfrc_ext, (body, com), points[k], wrench, sign);
+        }
+    }
+}
+
+/// Adds the forces of spatial tendons on bodies, which versions before 4.0 leave out.
+fn tendons(m: &Model, d: &mut Data) {
+    for t in 0..m.ntendon() {
+        if m.plan().paths.fixed[t] {
+            continue;
+        }
+        let tension = tension(m, d, t);
+        along_path(m, d, t, |d, segment| {
+            let force = scale(segment.direction(), tension / segment.divisor);
+            for (k, sign) in [(0, -1.0), (1, 1.0)] {
+                let (body, point) = (segment.bodies[k], segment.points[k]);
+                let com = d.subtree_com[m.body_rootid[body]];
+                let wrench = [[0.0; 3], force];
+                add_at(&mut d.cfrc_ext, (body, com), point, wrench, sign);
+            }
+        });
+    }
+}
+
+/// The force along a tendon, positive if it pushes the ends apart: the sum of the tendon's
+/// constraints, actuators, spring and damper.
+fn tension(m: &Model, d: &Data, tendon: usize) -> f64 {
+    let forces = |source: Source| {
+        let blocks = d.efc.blocks.iter();
+        blocks
+            .filter(move |block| block.source == source)
+            .map(|block| d.efc.force[block.row])
+    };
+    let mut sum = 0.0;
+    for equality in &m.plan().constraints.equalities {
+        if equality.kind != EqualityType::Tendon {
+            continue;
+        }
+        let [_, slope] = rows::polynomial_error(m, d, equality);
+        let ids = [m.eq_obj1id[equality.id], m.eq_obj2id[equality.id]];
+        for force in forces(Source::Equality(equality.id)) {
+            for (id, factor) in ids.into_iter().zip([1.0, slope]) {
+                if usize::try_from(id) == Ok(tendon) {
+                    sum += force * factor;
+                }
             }
         }
+    }
+    sum += forces(Source::TendonFriction(tendon)).sum::<f64>();
+    let mut limits = forces(Source::TendonLimit(tendon));
+    for (side, bound) in [-1.0, 1.0].into_iter().zip(m.tendon_range[tendon]) {
+        if side * (bound - d.ten_length[tendon]) < m.tendon_margin[tendon] {
+            sum -= side * limits.next().unwrap_or(0.0);
+        }
+    }
+    for i in 0..m.nu() {
+        if m.actuator_trntype[i] == TransmissionType::Tendon
+            && m.actuator_trnid[i][0] as usize == tendon
+        {
+            sum += m.actuator_gear[i][0] * d.actuator_force[i];
+        }
+    }
+    let elastic = &m.plan().paths.elastic;
+    match elastic.iter().find(|(id, ..)| *id == tendon) {
+        Some(&(id, stiffness, damping)) => {
+            let rest = m.tendon_lengthspring[id];
+            let spring = tendon_spring_force(d.ten_length[id], rest, stiffness);
+            sum + (spring - d.ten_velocity[id] * damping)
+        }
+        None => sum,
     }
 }
 

@@ -173,12 +173,11 @@ pub(super) fn mul_quat_axis<O: Order>(q: Quat, a: Vec3) -> Quat {
     ]
 }
 
-/// Adds the row of a joint or tendon equality: a position is a polynomial of another position, or
-/// constant.
-fn polynomial(m: &Model, d: &mut Data, constraint: &Equality) {
-    let joint = constraint.kind == EqualityType::Joint;
+/// The error of a joint or tendon equality, and its derivative by the position of the second joint
+/// or tendon: the first position is a polynomial of the second, or constant.
+pub(super) fn polynomial_error(m: &Model, d: &Data, constraint: &Equality) -> [f64; 2] {
     let place = |id: usize| {
-        if joint {
+        if constraint.kind == EqualityType::Joint {
             let p = m.jnt_qposadr[id];
             (d.qpos[p], m.qpos0[p])
         } else {
@@ -186,22 +185,28 @@ fn polynomial(m: &Model, d: &mut Data, constraint: &Equality) {
         }
     };
     let data = &m.eq_data[constraint.id];
+    let (now, rest) = place(m.eq_obj1id[constraint.id] as usize);
+    let Ok(second) = usize::try_from(m.eq_obj2id[constraint.id]) else {
+        return [now - rest - data[0], 0.0];
+    };
+    let (now2, rest2) = place(second);
+    let x = now2 - rest2;
+    let pos = now
+        - rest
+        - data[0]
+        - (data[1] * x + data[2] * x * x + data[3] * x * x * x + data[4] * x * x * x * x);
+    let slope = data[1] + 2.0 * data[2] * x + 3.0 * data[3] * x * x + 4.0 * data[4] * x * x * x;
+    [pos, -slope]
+}
+
+/// Adds the row of a joint or tendon equality.
+fn polynomial(m: &Model, d: &mut Data, constraint: &Equality) {
+    let joint = constraint.kind == EqualityType::Joint;
+    let [pos, slope] = polynomial_error(m, d, constraint);
     let (first, second) = (
         m.eq_obj1id[constraint.id] as usize,
-        m.eq_obj2id[constraint.id],
+        usize::try_from(m.eq_obj2id[constraint.id]).ok(),
     );
-    let (now, rest) = place(first);
-    let (mut pos, mut slope) = (now - rest - data[0], 0.0);
-    let second = usize::try_from(second).ok();
-    if let Some(second) = second {
-        let (now2, rest2) = place(second);
-        let x = now2 - rest2;
-        pos = now
-            - rest
-            - data[0]
-            - (data[1] * x + data[2] * x * x + data[3] * x * x * x + data[4] * x * x * x * x);
-        slope = data[1] + 2.0 * data[2] * x + 3.0 * data[3] * x * x + 4.0 * data[4] * x * x * x;
-    }
     let objects = [Some(first), second];
     let Some(row) = push_scalar(
         m,
@@ -212,7 +217,7 @@ fn polynomial(m: &Model, d: &mut Data, constraint: &Equality) {
     ) else {
         return;
     };
-    for (object, factor) in objects.into_iter().zip([1.0, -slope]) {
+    for (object, factor) in objects.into_iter().zip([1.0, slope]) {
         let Some(object) = object else { continue };
         if joint {
             add_row(&mut d.efc, row, m.jnt_dofadr[object], factor);

@@ -21,7 +21,7 @@ fn tendons(m: &Model, d: &mut Data) {
         if m.plan().paths.fixed[t] {
             fixed(m, d, t);
         } else {
-            spatial(m, d, t);
+            d.ten_length[t] = along_path(m, d, t, |d, segment| straight(m, d, t, &segment));
         }
     }
 }
@@ -57,9 +57,37 @@ fn fixed(m: &Model, d: &mut Data, t: usize) {
     d.ten_length[t] = length;
 }
 
-/// Computes a spatial tendon: its path through sites and around geoms. Lengths after a pulley are
-/// divided by its divisor.
-fn spatial(m: &Model, d: &mut Data, t: usize) {
+/// A straight part of a spatial tendon: a point on one body and a point on the next. Lengths after
+/// a pulley are divided by its divisor.
+pub(super) struct Segment {
+    pub(super) bodies: [usize; 2],
+    pub(super) points: [Vec3; 2],
+    pub(super) divisor: f64,
+}
+
+impl Segment {
+    fn new([(b1, p1), (b2, p2)]: [(usize, Vec3); 2], divisor: f64) -> Self {
+        Self {
+            bodies: [b1, b2],
+            points: [p1, p2],
+            divisor,
+        }
+    }
+
+    /// The direction from the first point to the second.
+    pub(super) fn direction(&self) -> Vec3 {
+        normalize(sub(self.points[1], self.points[0])).0
+    }
+}
+
+/// Follows a spatial tendon through sites and around geoms. Calls `visit` for each straight part
+/// between two bodies. Returns the tendon's length.
+pub(super) fn along_path(
+    m: &Model,
+    d: &mut Data,
+    t: usize,
+    mut visit: impl FnMut(&mut Data, Segment),
+) -> f64 {
     let (first, number) = (m.tendon_adr[t], m.tendon_num[t]);
     let part = |j: usize| (m.wrap_type[first + j], m.wrap_objid[first + j]);
     let (mut divisor, mut length, mut j) = (1.0, 0.0, 0);
@@ -96,39 +124,36 @@ fn spatial(m: &Model, d: &mut Data, t: usize) {
         };
         let end = part(j).1 as usize;
         let end = (m.site_bodyid[end], d.site_xpos[end]);
+        let mut part = |[first, second]: [(usize, Vec3); 2]| {
+            if first.0 != second.0 {
+                visit(d, Segment::new([first, second], divisor));
+            }
+        };
         match around {
             None => {
                 length += distance(begin.1, end.1) / divisor;
-                straight(m, d, t, divisor, [begin, end]);
+                part([begin, end]);
             }
             Some((arc, [enter, leave])) => {
                 let sum = distance(begin.1, enter) + arc + distance(leave, end.1);
                 length += sum / divisor;
                 let body = m.geom_bodyid[geom];
-                straight(m, d, t, divisor, [begin, (body, enter)]);
-                straight(m, d, t, divisor, [(body, leave), end]);
+                part([begin, (body, enter)]);
+                part([(body, leave), end]);
             }
         }
     }
-    d.ten_length[t] = length;
+    length
 }
 
 fn distance(a: Vec3, b: Vec3) -> f64 {
     norm(sub(a, b))
 }
 
-/// Adds the Jacobian of a straight segment between two bodies.
-fn straight(
-    m: &Model,
-    d: &mut Data,
-    t: usize,
-    divisor: f64,
-    [(b1, p1), (b2, p2)]: [(usize, Vec3); 2],
-) {
-    if b1 == b2 {
-        return;
-    }
-    let (direction, _) = normalize(sub(p2, p1));
+/// Adds the Jacobian of a straight part.
+fn straight(m: &Model, d: &mut Data, t: usize, segment: &Segment) {
+    let ([b1, b2], [p1, p2]) = (segment.bodies, segment.points);
+    let direction = segment.direction();
     let paths = &m.plan().paths;
     let row = paths.rows[t].clone();
     let (chain1, chain2) = (m.plan().chain(b1), m.plan().chain(b2));
@@ -151,6 +176,6 @@ fn straight(
                 along += apart[k] * direction[k];
             }
         }
-        *value += 1.0 / divisor * along;
+        *value += 1.0 / segment.divisor * along;
     }
 }

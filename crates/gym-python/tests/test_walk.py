@@ -111,6 +111,13 @@ def test_attributes_have_gymnasiums_types_and_values(env_id: str) -> None:
         assert not different, (phase, different)
 
 
+@pytest.mark.parametrize("env_id", IDS)
+def test_an_environment_is_no_class(env_id: str) -> None:
+    """``__name__`` and the other attributes of classes are absent, not errors: pytest asks a parameter for its name."""
+    theirs, ours = gymnasium.Env(), rustgym.make(env_id).unwrapped
+    assert [name for name in dir(type) if hasattr(theirs, name) != hasattr(ours, name)] == []
+
+
 @pytest.mark.parametrize("env_id", ABSENT)
 def test_absent_attributes_say_what_to_use(env_id: str) -> None:
     env = rustgym.make(env_id).unwrapped

@@ -6,7 +6,6 @@ import json
 import operator
 from collections.abc import Callable
 from copy import deepcopy
-from inspect import getattr_static
 from typing import TYPE_CHECKING, Any, ClassVar
 
 import gymnasium
@@ -448,7 +447,7 @@ class Env(gymnasium.Env[Any, Any], metaclass=_Kind):
     if not TYPE_CHECKING:  # where it would hide misspelt names
 
         def __getattr__(self, name: str) -> Any:
-            found = getattr_static(type(self), name, None)
+            found = next((vars(base)[name] for base in type(self).__mro__ if name in vars(base)), None)
             if hasattr(type(found), "__get__"):  # a property, which raises its own error once more
                 return found.__get__(self, type(self))
             hint = self._absent.get(name)

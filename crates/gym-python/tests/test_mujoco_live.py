@@ -108,7 +108,7 @@ CHANGES: dict[str, tuple[str, Callable[[Any], None], bool]] = {
     "weight": ("HalfCheetah-v5", lambda env: setattr(env, "_forward_reward_weight", 3.0), False),
     "range": ("Hopper-v5", lambda env: setattr(env, "_healthy_z_range", (1.3, np.inf)), False),
     "termination": ("Walker2d-v5", lambda env: setattr(env, "_terminate_when_unhealthy", False), False),
-    "frames": ("Reacher-v5", lambda env: setattr(env, "frame_skip", 5), False),
+    "frames": ("HalfCheetah-v5", lambda env: setattr(env, "frame_skip", 3), False),
     "frames of version 4": ("Ant-v4", lambda env: setattr(env, "frame_skip", 3), True),
     "method": ("Ant-v5", lambda env: setattr(env, "_get_rew", lambda velocity, action: (velocity, {})), True),
 }

@@ -3,7 +3,7 @@
 use super::compile::MOST;
 use super::defaults::Classes;
 use super::orientation::{IDENTITY, Orientation, compose, unit, within};
-use super::spec::{Body, Camera, Frame, Geom, Inertial, Joint, Light, Site, Spec};
+use super::spec::{Body, Frame, Inertial, Joint, Spec};
 use super::xml::Element;
 use crate::Result;
 use crate::physics::spatial::{InTurn, Order, add, rotate};
@@ -48,6 +48,20 @@ struct Copies {
     outer: (Option<Frame>, String),
 }
 
+impl<'a, 'input> Open<'a, 'input> {
+    fn new(element: Element<'a, 'input>, id: usize, class: usize) -> Result<Self> {
+        Ok(Self {
+            children: element.children()?.into_iter(),
+            element,
+            id,
+            class,
+            frame: None,
+            suffix: String::new(),
+            copies: None,
+        })
+    }
+}
+
 impl<'s> Bodies<'s> {
     pub(super) fn new(spec: &'s mut Spec, classes: &'s Classes) -> Self {
         Self {
@@ -60,16 +74,7 @@ impl<'s> Bodies<'s> {
     /// Reads the bodies of the world, each after its parent and before its children. The function
     /// does not recurse, because deep nesting would overflow the stack.
     pub(super) fn read(mut self, world: Element<'_, '_>) -> Result<()> {
-        let children = world.children()?.into_iter();
-        let mut open = vec![Open {
-            element: world,
-            children,
-            id: 0,
-            class: 0,
-            frame: None,
-            suffix: String::new(),
-            copies: None,
-        }];
+        let mut open = vec![Open::new(world, 0, 0)?];
         while let Some(around) = open.last_mut() {
             let Some(child) = around.children.next() else {
                 if self.next_copy(around)? {
@@ -124,9 +129,7 @@ impl<'s> Bodies<'s> {
             frame: around.frame,
             ..Body::default()
         };
-        if let Some(pos) = element.numbers("pos")? {
-            body.pos = pos;
-        }
+        body.pos = element.numbers("pos")?.unwrap_or_default();
         body.orientation.read(&mut element)?;
         body.mocap = element.flag("mocap")?.unwrap_or(false);
         body.gravcomp = element.number("gravcomp")?.unwrap_or(0.0);
@@ -134,20 +137,14 @@ impl<'s> Bodies<'s> {
             .classes
             .named(&mut element, "childclass", around.class)?;
         element.keyword("sleep", &[("auto", ())])?;
-        element.ignore(&["user"]);
+        element.ignore("user");
         self.spec.bodies.push(body);
         if self.spec.bodies.len() > MOST {
             return Err(element.error(format!("more than {MOST} bodies are not supported")));
         }
-        Ok(Open {
-            children: element.children()?.into_iter(),
-            element,
-            id: self.spec.bodies.len() - 1,
-            class,
-            frame: None,
-            suffix: around.suffix.clone(),
-            copies: None,
-        })
+        let mut open = Open::new(element, self.spec.bodies.len() - 1, class)?;
+        open.suffix.clone_from(&around.suffix);
+        Ok(open)
     }
 
     /// Reads the attributes of a `frame`. Its child elements belong to the body that contains it.
@@ -164,16 +161,11 @@ impl<'s> Bodies<'s> {
         let class = self
             .classes
             .named(&mut element, "childclass", around.class)?;
-        element.ignore(&["name"]);
-        Ok(Open {
-            children: element.children()?.into_iter(),
-            element,
-            id: around.id,
-            class,
-            frame: Some((pos, unit(quat).0)),
-            suffix: around.suffix.clone(),
-            copies: None,
-        })
+        element.ignore("name");
+        let mut open = Open::new(element, around.id, class)?;
+        open.frame = Some((pos, unit(quat).0));
+        open.suffix.clone_from(&around.suffix);
+        Ok(open)
     }
 
     /// Reads the attributes of a `replicate`.
@@ -186,9 +178,8 @@ impl<'s> Bodies<'s> {
             .integer("count")?
             .ok_or_else(|| element.missing("count"))?;
         if count > MOST {
-            return Err(element
-                .place()
-                .attribute("count", format!("more than {MOST} copies")));
+            let reason = format!("more than {MOST} copies");
+            return Err(element.place().attribute("count", reason));
         }
         let (offset, euler) = (element.numbers("offset")?, element.numbers("euler")?);
         let euler = euler.unwrap_or_default();
@@ -196,26 +187,21 @@ impl<'s> Bodies<'s> {
         let class = self
             .classes
             .named(&mut element, "childclass", around.class)?;
-        let copies = Copies {
+        let separator = element.text("sep").unwrap_or_default();
+        let mut open = Open::new(element, around.id, class)?;
+        open.children = Vec::new().into_iter();
+        open.copies = Some(Copies {
             count,
             next: 0,
             offset: offset.unwrap_or_default(),
             euler,
-            separator: element.text("sep").unwrap_or_default(),
+            separator,
             pos: [0.0; 3],
             turn: IDENTITY,
             step,
             outer: (around.frame, around.suffix.clone()),
-        };
-        Ok(Open {
-            children: Vec::new().into_iter(),
-            element,
-            id: around.id,
-            class,
-            frame: None,
-            suffix: String::new(),
-            copies: Some(copies),
-        })
+        });
+        Ok(open)
     }
 
     /// Begins the next copy; returns whether there is one.
@@ -271,20 +257,14 @@ impl<'s> Bodies<'s> {
         let parts = &mut self.spec.bodies[id];
         match child.name() {
             "geom" => {
-                let mut geom = Geom {
-                    name: named(&mut child, around),
-                    frame,
-                    ..class.geom.clone()
-                };
+                let mut geom = class.geom.clone();
+                (geom.name, geom.frame) = (named(&mut child, around), frame);
                 geom.read(&mut child)?;
                 parts.geoms.push(geom);
             }
             "joint" => {
-                let mut joint = Joint {
-                    name: named(&mut child, around),
-                    frame,
-                    ..class.joint.clone()
-                };
+                let mut joint = class.joint.clone();
+                (joint.name, joint.frame) = (named(&mut child, around), frame);
                 joint.read(&mut child)?;
                 parts.joints.push(joint);
             }
@@ -302,29 +282,20 @@ impl<'s> Bodies<'s> {
                 return Ok(());
             }
             "site" => {
-                let mut site = Site {
-                    name: named(&mut child, around),
-                    frame,
-                    ..class.site.clone()
-                };
+                let mut site = class.site.clone();
+                (site.name, site.frame) = (named(&mut child, around), frame);
                 site.read(&mut child)?;
                 parts.sites.push(site);
             }
             "camera" => {
-                let mut camera = Camera {
-                    name: named(&mut child, around),
-                    frame,
-                    ..class.camera.clone()
-                };
+                let mut camera = class.camera.clone();
+                (camera.name, camera.frame) = (named(&mut child, around), frame);
                 camera.read(&mut child)?;
                 parts.cameras.push(camera);
             }
             _ => {
-                let mut light = Light {
-                    name: named(&mut child, around),
-                    frame,
-                    ..class.light.clone()
-                };
+                let mut light = class.light.clone();
+                (light.name, light.frame) = (named(&mut child, around), frame);
                 light.read(&mut child)?;
                 parts.lights.push(light);
             }

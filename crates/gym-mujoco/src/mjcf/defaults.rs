@@ -70,9 +70,8 @@ impl Classes {
     fn add(&mut self, section: &mut Element<'_, '_>, parent: usize) -> Result<usize> {
         let name = section.required_text("class")?;
         if self.0.iter().any(|class| class.name == name) {
-            return Err(section
-                .place()
-                .attribute("class", format!("there is a class {name:?} already")));
+            let reason = format!("there is a class {name:?} already");
+            return Err(section.place().attribute("class", reason));
         }
         if self.0.len() == MOST {
             return Err(section.error(format!("more than {MOST} classes are not supported")));
@@ -92,10 +91,8 @@ impl Classes {
         class: usize,
         revision: Revision,
     ) -> Result<Vec<Element<'a, 'input>>> {
-        let (within, own): (Vec<_>, Vec<_>) = section
-            .children()?
-            .into_iter()
-            .partition(|child| child.name() == "default");
+        let children = section.children()?.into_iter();
+        let (within, own): (Vec<_>, Vec<_>) = children.partition(|child| child.name() == "default");
         for mut child in own {
             let values = &mut self.0[class];
             match child.name() {
@@ -109,7 +106,7 @@ impl Classes {
                 "equality" => values.equality.read_common(&mut child)?,
                 "tendon" => values.tendon.read(&mut child)?,
                 // only pictures show a mesh
-                "mesh" => child.ignore(&["scale", "maxhullvert", "inertia"]),
+                "mesh" => child.ignore("scale maxhullvert inertia"),
                 name if ACTUATORS.contains(&name) => {
                     let mut actuator = self.actuator(class, name, revision);
                     actuator.read(&mut child)?;

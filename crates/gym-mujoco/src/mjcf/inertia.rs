@@ -143,11 +143,8 @@ pub(super) fn combine(parts: &[Inertia], revision: Revision) -> Option<Inertia> 
     }
     let mass: f64 = parts.iter().map(|part| part.mass).sum();
     let pos = std::array::from_fn(|i| {
-        parts
-            .iter()
-            .map(|part| part.mass * part.pos[i])
-            .sum::<f64>()
-            / mass
+        let moments = parts.iter().map(|part| part.mass * part.pos[i]);
+        moments.sum::<f64>() / mass
     });
     let mut total = [0.0; 6];
     for part in parts {

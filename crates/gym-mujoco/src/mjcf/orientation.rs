@@ -46,17 +46,18 @@ impl Orientation {
 
     /// Reads the forms of an orientation. An element may have at most one.
     pub(super) fn read(&mut self, element: &mut Element<'_, '_>) -> Result<()> {
-        let mut given = Vec::new();
-        if let Some(quat) = element.numbers::<4>("quat")? {
-            if norm(&quat) < EPS {
-                return Err(element.place().attribute("quat", "the quaternion is zero"));
+        let (place, mut given) = (element.place(), Vec::new());
+        let zero = |v: &[f64]| norm(v) < EPS;
+        if let Some(quat) = element.numbers("quat")? {
+            if zero(&quat) {
+                return Err(place.attribute("quat", "the quaternion is zero"));
             }
             self.quat = quat;
             given.push("quat");
         }
         if let Some(axis_angle) = element.numbers::<4>("axisangle")? {
-            if norm(&axis_angle[..3]) < EPS {
-                return Err(element.place().attribute("axisangle", "the axis is zero"));
+            if zero(&axis_angle[..3]) {
+                return Err(place.attribute("axisangle", "the axis is zero"));
             }
             self.other = Some(Form::AxisAngle(axis_angle));
             given.push("axisangle");
@@ -65,26 +66,24 @@ impl Orientation {
             self.other = Some(Form::Euler(euler));
             given.push("euler");
         }
-        if let Some(xyaxes) = element.numbers::<6>("xyaxes")? {
+        if let Some(xyaxes) = element.numbers("xyaxes")? {
             if plane_of(&xyaxes).is_none() {
-                return Err(element
-                    .place()
-                    .attribute("xyaxes", "the axes are zero or parallel"));
+                return Err(place.attribute("xyaxes", "the axes are zero or parallel"));
             }
             self.other = Some(Form::XyAxes(xyaxes));
             given.push("xyaxes");
         }
-        if let Some(zaxis) = element.numbers::<3>("zaxis")? {
-            if norm(&zaxis) < EPS {
-                return Err(element.place().attribute("zaxis", "the axis is zero"));
+        if let Some(zaxis) = element.numbers("zaxis")? {
+            if zero(&zaxis) {
+                return Err(place.attribute("zaxis", "the axis is zero"));
             }
             self.other = Some(Form::ZAxis(zaxis));
             given.push("zaxis");
         }
         match given[..] {
-            [_, second, ..] => Err(element
-                .place()
-                .attribute(second, format!("only one of {}", given.join(", ")))),
+            [_, second, ..] => {
+                Err(place.attribute(second, format!("only one of {}", given.join(", "))))
+            }
             _ => Ok(()),
         }
     }
@@ -191,42 +190,22 @@ fn plane_of(axes: &[f64; 6]) -> Option<[[f64; 3]; 3]> {
 
 /// The quaternion of a rotation matrix with these columns: MuJoCo's `mjuu_frame2quat`.
 fn from_columns(x: [f64; 3], y: [f64; 3], z: [f64; 3]) -> Quat {
-    let (half, quarter) = (
-        |square: f64| 0.5 * square.sqrt(),
-        |difference: f64| 0.25 * difference,
-    );
+    let half = |square: f64| 0.5 * square.sqrt();
+    let quarter = |difference: f64| 0.25 * difference;
+    let [a, b, c] = [y[2] - z[1], z[0] - x[2], x[1] - y[0]].map(quarter);
+    let [xy, xz, yz] = [y[0] + x[1], z[0] + x[2], z[1] + y[2]].map(quarter);
     let quat = if x[0] + y[1] + z[2] > 0.0 {
         let w = half(1.0 + x[0] + y[1] + z[2]);
-        [
-            w,
-            quarter(y[2] - z[1]) / w,
-            quarter(z[0] - x[2]) / w,
-            quarter(x[1] - y[0]) / w,
-        ]
+        [w, a / w, b / w, c / w]
     } else if x[0] > y[1] && x[0] > z[2] {
         let i = half(1.0 + x[0] - y[1] - z[2]);
-        [
-            quarter(y[2] - z[1]) / i,
-            i,
-            quarter(y[0] + x[1]) / i,
-            quarter(z[0] + x[2]) / i,
-        ]
+        [a / i, i, xy / i, xz / i]
     } else if y[1] > z[2] {
         let j = half(1.0 - x[0] + y[1] - z[2]);
-        [
-            quarter(z[0] - x[2]) / j,
-            quarter(y[0] + x[1]) / j,
-            j,
-            quarter(z[1] + y[2]) / j,
-        ]
+        [b / j, xy / j, j, yz / j]
     } else {
         let k = half(1.0 - x[0] - y[1] + z[2]);
-        [
-            quarter(x[1] - y[0]) / k,
-            quarter(z[0] + x[2]) / k,
-            quarter(z[1] + y[2]) / k,
-            k,
-        ]
+        [c / k, xz / k, yz / k, k]
     };
     unit(quat).0
 }

@@ -3,10 +3,7 @@
 use super::bodies::Bodies;
 use super::defaults::Classes;
 use super::files::Files;
-use super::spec::{
-    ACTUATORS, Body, EQUALITIES, Equality, Exclude, Key, Material, Pair, Sensor, Spec, Tendon,
-    replace,
-};
+use super::spec::{ACTUATORS, Body, EQUALITIES, Exclude, Key, Sensor, Spec, replace};
 use super::xml::Element;
 use crate::model::{Cone, Disable, Integrator, SensorType, Solver};
 use crate::{Result, Revision};
@@ -68,11 +65,8 @@ impl Reader<'_> {
                 _ => return Err(root.unsupported(&section, &SECTIONS)),
             }
         }
-        for section in root
-            .children()?
-            .into_iter()
-            .filter(|section| section.name() == "default")
-        {
+        let sections = root.children()?.into_iter();
+        for section in sections.filter(|section| section.name() == "default") {
             self.classes.read(section, self.spec.revision)?;
         }
         let place = root.place();
@@ -103,47 +97,37 @@ impl Reader<'_> {
         replace(&mut option.timestep, element.positive("timestep")?);
         replace(&mut option.gravity, element.numbers("gravity")?);
         replace(&mut option.wind, element.numbers("wind")?);
-        replace(&mut option.density, element.non_negative("density")?);
-        replace(&mut option.viscosity, element.non_negative("viscosity")?);
+        element.set_non_negative("density", &mut option.density)?;
+        element.set_non_negative("viscosity", &mut option.viscosity)?;
         let integrators = [
             ("Euler", Integrator::Euler),
             ("RK4", Integrator::RK4),
             ("implicit", Integrator::Implicit),
             ("implicitfast", Integrator::ImplicitFast),
         ];
-        let integrator = element.keyword("integrator", &integrators)?;
-        replace(&mut option.integrator, integrator);
+        element.set_keyword("integrator", &integrators, &mut option.integrator)?;
         let solvers = [
             ("Newton", Solver::Newton),
             ("PGS", Solver::PGS),
             ("CG", Solver::CG),
         ];
-        replace(&mut option.solver, element.keyword("solver", &solvers)?);
+        element.set_keyword("solver", &solvers, &mut option.solver)?;
         replace(&mut option.iterations, element.integer("iterations")?);
         replace(&mut option.ls_iterations, element.integer("ls_iterations")?);
-        replace(&mut option.tolerance, element.non_negative("tolerance")?);
-        replace(
-            &mut option.ls_tolerance,
-            element.non_negative("ls_tolerance")?,
-        );
+        element.set_non_negative("tolerance", &mut option.tolerance)?;
+        element.set_non_negative("ls_tolerance", &mut option.ls_tolerance)?;
         let cones = [("pyramidal", Cone::Pyramidal), ("elliptic", Cone::Elliptic)];
-        replace(&mut option.cone, element.keyword("cone", &cones)?);
+        element.set_keyword("cone", &cones, &mut option.cone)?;
         // `jacobian` selects the storage of the Jacobian in MuJoCo. The results do not depend on
         // it.
         let jacobians = [("dense", 0), ("sparse", 1), ("auto", 2)];
-        replace(
-            &mut option.jacobian,
-            element.keyword("jacobian", &jacobians)?,
-        );
+        element.set_keyword("jacobian", &jacobians, &mut option.jacobian)?;
         replace(&mut option.impratio, element.positive("impratio")?);
         replace(
             &mut option.noslip_iterations,
             element.integer("noslip_iterations")?,
         );
-        replace(
-            &mut option.noslip_tolerance,
-            element.non_negative("noslip_tolerance")?,
-        );
+        element.set_non_negative("noslip_tolerance", &mut option.noslip_tolerance)?;
         replace(&mut option.magnetic, element.numbers("magnetic")?);
         if let Some(groups) = element.list("actuatorgroupdisable")? {
             for group in groups {
@@ -154,15 +138,9 @@ impl Reader<'_> {
             }
         }
         // attributes of features that are unsupported, or off by default
-        element.ignore(&[
-            "o_margin",
-            "o_solref",
-            "o_solimp",
-            "o_friction",
-            "sdf_iterations",
-            "sdf_initpoints",
-            "sleep_tolerance",
-        ]);
+        element.ignore(
+            "o_margin o_solref o_solimp o_friction sdf_iterations sdf_initpoints sleep_tolerance",
+        );
         for child in element.children()? {
             if child.name() != "flag" {
                 return Err(element.unsupported(&child, &["flag"]));
@@ -226,9 +204,8 @@ impl Reader<'_> {
         const MAX_KEYS: usize = 1000;
         if let Some(nkey) = element.integer("nkey")? {
             if nkey > MAX_KEYS {
-                return Err(element
-                    .place()
-                    .attribute("nkey", format!("more than {MAX_KEYS}")));
+                let reason = format!("more than {MAX_KEYS}");
+                return Err(element.place().attribute("nkey", reason));
             }
             self.spec.nkey = self.spec.nkey.max(nkey);
         }
@@ -255,11 +232,8 @@ impl Reader<'_> {
         for mut child in section.children()? {
             match child.name() {
                 "material" => {
-                    let class = self.classes.of(&mut child)?;
-                    let mut material = Material {
-                        name: child.required_text("name")?,
-                        ..class.material.clone()
-                    };
+                    let mut material = self.classes.of(&mut child)?.material.clone();
+                    material.name = child.required_text("name")?;
                     material.read(&mut child)?;
                     self.spec.materials.push(material);
                 }
@@ -279,11 +253,8 @@ impl Reader<'_> {
             match child.name() {
                 "exclude" => self.spec.excludes.push(Exclude::read(child)?),
                 "pair" => {
-                    let class = self.classes.of(&mut child)?;
-                    let mut pair = Pair {
-                        name: child.text("name"),
-                        ..class.pair.clone()
-                    };
+                    let mut pair = self.classes.of(&mut child)?.pair.clone();
+                    pair.name = child.text("name");
                     pair.read(&mut child)?;
                     child.finish_without_children()?;
                     self.spec.pairs.push(pair);
@@ -301,11 +272,8 @@ impl Reader<'_> {
             else {
                 return Err(section.unsupported(&child, &kinds));
             };
-            let class = self.classes.of(&mut child)?;
-            let mut equality = Equality {
-                name: child.text("name"),
-                ..class.equality.clone()
-            };
+            let mut equality = self.classes.of(&mut child)?.equality.clone();
+            equality.name = child.text("name");
             equality.read(&mut child, *kind, *names)?;
             child.finish_without_children()?;
             self.spec.equalities.push(equality);
@@ -318,11 +286,8 @@ impl Reader<'_> {
             if !["fixed", "spatial"].contains(&child.name()) {
                 return Err(section.unsupported(&child, &["fixed", "spatial"]));
             }
-            let class = self.classes.of(&mut child)?;
-            let mut tendon = Tendon {
-                name: child.text("name"),
-                ..class.tendon.clone()
-            };
+            let mut tendon = self.classes.of(&mut child)?.tendon.clone();
+            tendon.name = child.text("name");
             tendon.read(&mut child)?;
             tendon.read_path(&child)?;
             child.finish()?;

@@ -203,16 +203,14 @@ impl<'a, 'input> Element<'a, 'input> {
     /// Takes the attribute `name`.
     fn take(&mut self, name: &'static str) -> Option<Attribute<'a, 'input>> {
         self.known.push(name);
-        let index = self
-            .unread
-            .iter()
-            .position(|a| a.name() == name && a.namespace().is_none())?;
+        let mut unread = self.unread.iter();
+        let index = unread.position(|a| a.name() == name && a.namespace().is_none())?;
         Some(self.unread.swap_remove(index))
     }
 
     /// Skips attributes without effect.
-    pub(super) fn ignore(&mut self, names: &[&'static str]) {
-        for name in names {
+    pub(super) fn ignore(&mut self, names: &'static str) {
+        for name in names.split(' ') {
             self.take(name);
         }
     }
@@ -270,10 +268,8 @@ impl<'a, 'input> Element<'a, 'input> {
         for word in attribute.value().split_ascii_whitespace() {
             let Some(slot) = out.get_mut(count) else {
                 let most = out.len();
-                return Err(self.at(
-                    &attribute,
-                    format!("too many numbers: at most {most} are expected"),
-                ));
+                let reason = format!("too many numbers: at most {most} are expected");
+                return Err(self.at(&attribute, reason));
             };
             *slot = self.parse(&attribute, word)?;
             count += 1;
@@ -305,10 +301,8 @@ impl<'a, 'input> Element<'a, 'input> {
             return Ok(None);
         };
         let words = attribute.value().split_ascii_whitespace();
-        words
-            .map(|word| self.parse(&attribute, word))
-            .collect::<Result<_>>()
-            .map(Some)
+        let numbers = words.map(|word| self.parse(&attribute, word));
+        numbers.collect::<Result<_>>().map(Some)
     }
 
     /// Reads a number.
@@ -335,16 +329,31 @@ impl<'a, 'input> Element<'a, 'input> {
         Ok(number)
     }
 
+    /// Changes `value` to an attribute that must not be negative.
+    pub(super) fn set_non_negative(&mut self, name: &'static str, value: &mut f64) -> Result<()> {
+        *value = self.non_negative(name)?.unwrap_or(*value);
+        Ok(())
+    }
+
+    /// Changes `value` to the meaning of an attribute that is one of `words`.
+    pub(super) fn set_keyword<T: Copy>(
+        &mut self,
+        name: &'static str,
+        words: &[(&str, T)],
+        value: &mut T,
+    ) -> Result<()> {
+        *value = self.keyword(name, words)?.unwrap_or(*value);
+        Ok(())
+    }
+
     /// Reads a whole number.
     pub(super) fn integer<T: TryFrom<i64>>(&mut self, name: &'static str) -> Result<Option<T>> {
         let Some(attribute) = self.take(name) else {
             return Ok(None);
         };
         let value = attribute.value().trim();
-        let number = value
-            .parse::<i64>()
-            .ok()
-            .and_then(|number| T::try_from(number).ok());
+        let number = value.parse::<i64>().ok();
+        let number = number.and_then(|number| T::try_from(number).ok());
         match number {
             Some(number) => Ok(Some(number)),
             None => Err(self.at(

@@ -3,7 +3,9 @@
 use super::named;
 use crate::Result;
 use crate::mjcf::spec::{Actuator, Spec};
-use crate::model::{BiasType, CompiledModel, DynamicsType, GainType, Parameters, TransmissionType};
+use crate::model::{
+    BiasType, CompiledModel, DynamicsType, GainType, ObjectType, Parameters, TransmissionType,
+};
 
 pub(super) fn add_actuators(m: &mut CompiledModel, spec: &Spec) -> Result<()> {
     for actuator in &spec.actuators {
@@ -76,19 +78,19 @@ fn transmission(m: &CompiledModel, actuator: &Actuator) -> Result<(TransmissionT
     }
     Ok(match *attribute {
         "tendon" => {
-            let tendon = named(place, attribute, "tendon", &m.names.tendon, name)?;
+            let tendon = named(m, place, attribute, ObjectType::Tendon, name)?;
             (TransmissionType::Tendon, [tendon as i32, -1])
         }
         "site" => {
-            let site = named(place, attribute, "site", &m.names.site, name)?;
+            let site = named(m, place, attribute, ObjectType::Site, name)?;
             let reference = match &actuator.reference_site {
-                Some(name) => named(place, "refsite", "site", &m.names.site, name)? as i32,
+                Some(name) => named(m, place, "refsite", ObjectType::Site, name)? as i32,
                 None => -1,
             };
             (TransmissionType::Site, [site as i32, reference])
         }
         _ => {
-            let joint = named(place, attribute, "joint", &m.names.joint, name)?;
+            let joint = named(m, place, attribute, ObjectType::Joint, name)?;
             let kind = match *attribute {
                 "joint" => TransmissionType::Joint,
                 _ => TransmissionType::JointInParent,

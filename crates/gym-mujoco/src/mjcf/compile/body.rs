@@ -101,11 +101,8 @@ fn from_geoms(body: &Body, spec: &Spec) -> bool {
 /// Without both, the inertial frame is the body's frame in its parent, as in MuJoCo.
 fn inertia_of(body: &Body, id: usize, spec: &Spec, parts: &[Inertia]) -> Result<Inertia> {
     let compiler = &spec.compiler;
-    let heavy: Vec<Inertia> = parts
-        .iter()
-        .copied()
-        .filter(|part| part.mass > EPS)
-        .collect();
+    let heavy = parts.iter().filter(|part| part.mass > EPS);
+    let heavy: Vec<Inertia> = heavy.copied().collect();
     let combined = inertia::combine(&heavy, spec.revision);
     let (mut inertia, place) = match (combined, &body.inertial) {
         (Some(combined), _) => (combined, &body.place),

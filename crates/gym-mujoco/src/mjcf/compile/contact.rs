@@ -3,12 +3,12 @@
 use super::named;
 use crate::Result;
 use crate::mjcf::spec::Spec;
-use crate::model::{CompiledModel, signature};
+use crate::model::{CompiledModel, ObjectType, signature};
 
 pub(super) fn add_excludes(m: &mut CompiledModel, spec: &Spec) -> Result<()> {
     for exclude in &spec.excludes {
         let id = |name: &str, attribute: &str| {
-            named(&exclude.place, attribute, "body", &m.names.body, name)
+            named(m, &exclude.place, attribute, ObjectType::Body, name)
         };
         let bodies = [
             id(&exclude.bodies[0], "body1")?,
@@ -26,7 +26,7 @@ pub(super) fn add_pairs(m: &mut CompiledModel, spec: &Spec) -> Result<()> {
     for pair in &spec.pairs {
         let place = &pair.place;
         let id = |geom: &Option<String>, attribute: &str| match geom {
-            Some(name) => named(place, attribute, "geom", &m.names.geom, name),
+            Some(name) => named(m, place, attribute, ObjectType::Geom, name),
             None => Err(place.attribute(attribute, "missing: it must be given")),
         };
         let geoms = [id(&pair.geoms[0], "geom1")?, id(&pair.geoms[1], "geom2")?];

@@ -9,35 +9,24 @@ use crate::{Result, Revision};
 pub(super) fn add_equalities(m: &mut CompiledModel, spec: &Spec) -> Result<()> {
     for equality in &spec.equalities {
         let (kind, place) = (equality.kind, &equality.place);
-        let id = |name: &Option<String>, number: usize| {
-            let Some(name) = name else { return Ok(-1) };
-            let both = |one: &'static str, two: &'static str| [one, two][number];
-            let id = match kind {
-                EqualityType::Joint => scalar_joint(m, place, both("joint1", "joint2"), name)?,
-                EqualityType::Tendon => {
-                    let attribute = both("tendon1", "tendon2");
-                    named(place, attribute, "tendon", &m.names.tendon, name)?
-                }
-                _ if equality.sites => {
-                    named(place, both("site1", "site2"), "site", &m.names.site, name)?
-                }
-                _ => named(place, both("body1", "body2"), "body", &m.names.body, name)?,
-            };
-            Ok(id as i32)
-        };
-        let (first, second) = (id(&equality.names[0], 0)?, id(&equality.names[1], 1)?);
-        let objects = match kind {
-            EqualityType::Joint => ObjectType::Joint,
-            EqualityType::Tendon => ObjectType::Tendon,
-            _ if equality.sites => ObjectType::Site,
-            _ => ObjectType::Body,
+        let (objects, attributes) = match kind {
+            EqualityType::Joint => (ObjectType::Joint, ["joint1", "joint2"]),
+            EqualityType::Tendon => (ObjectType::Tendon, ["tendon1", "tendon2"]),
+            _ if equality.sites => (ObjectType::Site, ["site1", "site2"]),
+            _ => (ObjectType::Body, ["body1", "body2"]),
         };
         // if the second body is not named, the world is the second body
-        let second = if objects == ObjectType::Body {
-            second.max(0)
-        } else {
-            second
+        let missing = if objects == ObjectType::Body { 0 } else { -1 };
+        let id = |number: usize| match (&equality.names[number], attributes[number]) {
+            (None, _) => Ok(missing),
+            (Some(name), attribute) if kind == EqualityType::Joint => {
+                scalar_joint(m, place, attribute, name).map(|id| id as i32)
+            }
+            (Some(name), attribute) => {
+                named(m, place, attribute, objects, name).map(|id| id as i32)
+            }
         };
+        let (first, second) = (id(0)?, id(1)?);
         if first == second {
             return Err(place.error("relates an object to itself"));
         }

@@ -19,10 +19,10 @@ pub(super) fn add_geom(
     let Geom { place, shape, .. } = geom;
     let mut size = geom.size;
     let own = match geom.fromto {
-        None => (
-            geom.pos.unwrap_or_default(),
-            geom.orientation.resolve(&spec.compiler),
-        ),
+        None => {
+            let quat = geom.orientation.resolve(&spec.compiler);
+            (geom.pos.unwrap_or_default(), quat)
+        }
         Some(ends) => {
             if matches!(shape, GeomType::Plane | GeomType::Sphere | GeomType::Mesh) {
                 return Err(place.attribute(
@@ -30,12 +30,8 @@ pub(super) fn add_geom(
                     "only capsules, cylinders, ellipsoids and boxes have ends: give type=\"capsule\"",
                 ));
             }
-            between(
-                place,
-                ends,
-                &mut size,
-                geom.pos.is_some_and(|pos| pos != [0.0; 3]),
-            )?
+            let positioned = geom.pos.is_some_and(|pos| pos != [0.0; 3]);
+            between(place, ends, &mut size, positioned)?
         }
     };
     if geom.fromto.is_some() && matches!(shape, GeomType::Ellipsoid | GeomType::Box) {
@@ -44,10 +40,8 @@ pub(super) fn add_geom(
     let (pos, quat) = within(geom.frame, own);
     check_size(geom, size)?;
     if *shape == GeomType::Plane && m.body_weldid[body] != 0 {
-        return Err(place.attribute(
-            "type",
-            "a plane belongs to the world or to a body fixed to it",
-        ));
+        let reason = "a plane belongs to the world or to a body fixed to it";
+        return Err(place.attribute("type", reason));
     }
     let volume = inertia::volume(*shape, size, geom.shell);
     let mass = match geom.mass {
@@ -58,16 +52,11 @@ pub(super) fn add_geom(
     };
     let material = match &geom.material {
         None => -1,
-        Some(name) => match spec
-            .materials
-            .iter()
-            .position(|material| material.name == *name)
-        {
-            Some(id) => id as i32,
-            None => {
-                return Err(place.attribute("material", format!("there is no material {name:?}")));
-            }
-        },
+        Some(name) => {
+            let found = spec.materials.iter().position(|of| of.name == *name);
+            let missing = || place.attribute("material", format!("there is no material {name:?}"));
+            found.ok_or_else(missing)? as i32
+        }
     };
     m.names.geom.push(geom.name.clone());
     m.geom_type.push(*shape);
@@ -160,10 +149,8 @@ fn check_size(geom: &Geom, size: [f64; 3]) -> Result<()> {
         GeomType::Mesh => return Ok(()),
     };
     if size[..needed].iter().any(|x| *x <= 0.0) {
-        return Err(geom.place.attribute(
-            "size",
-            format!("this shape has {what}, which must be positive"),
-        ));
+        let reason = format!("this shape has {what}, which must be positive");
+        return Err(geom.place.attribute("size", reason));
     }
     Ok(())
 }

@@ -32,10 +32,8 @@ pub(super) fn add_joint(
         && !ball
         && super::limited(joint.force_limited, joint.force_range, spec, place, names)?;
     if free && body.parent != 0 {
-        return Err(place.attribute(
-            "type",
-            "a free joint belongs to a body directly in the world",
-        ));
+        let reason = "a free joint belongs to a body directly in the world";
+        return Err(place.attribute("type", reason));
     }
     if free && body.joints.len() > 1 {
         return Err(place.attribute("type", "a free joint must be the only joint of its body"));

@@ -16,7 +16,7 @@ use super::inertia::MINVAL;
 use super::orientation::{IDENTITY, turned, within};
 use super::spec::{Spec, Statistic};
 use super::xml::Place;
-use crate::model::{CompiledModel, mark_simple, with_constants};
+use crate::model::{CompiledModel, ObjectType, mark_simple, with_constants};
 use crate::{Model, Result};
 
 /// The largest number of bodies, geoms and degrees of freedom (the engine's matrices are dense),
@@ -94,10 +94,8 @@ fn scale_mass(m: &mut CompiledModel, total: Option<f64>) {
     let Some(total) = total else { return };
     let scale = (total / m.body_mass[1..].iter().sum::<f64>().max(MINVAL)).max(MINVAL);
     m.body_mass[1..].iter_mut().for_each(|mass| *mass *= scale);
-    m.body_inertia[1..]
-        .iter_mut()
-        .flatten()
-        .for_each(|moment| *moment *= scale);
+    let moments = m.body_inertia[1..].iter_mut().flatten();
+    moments.for_each(|moment| *moment *= scale);
 }
 
 /// Refuses movable bodies without mass, whose acceleration would be infinite.
@@ -131,9 +129,8 @@ fn add_looks(m: &mut CompiledModel, spec: &Spec) -> Result<()> {
                         .attribute("target", format!("there is no body {name:?}"))
                 })?),
                 None if camera.mode >= 3 => {
-                    return Err(camera
-                        .place
-                        .attribute("target", "missing: this mode needs it"));
+                    let reason = "missing: this mode needs it";
+                    return Err(camera.place.attribute("target", reason));
                 }
                 None => None,
             };
@@ -154,11 +151,8 @@ fn add_looks(m: &mut CompiledModel, spec: &Spec) -> Result<()> {
         m.light_pos.push(pos);
         m.light_dir.push(turned(light.frame, light.dir));
     }
-    m.mat_rgba = spec
-        .materials
-        .iter()
-        .map(|material| geom::single(material.rgba))
-        .collect();
+    let colors = spec.materials.iter().map(|material| material.rgba);
+    m.mat_rgba = colors.map(geom::single).collect();
     Ok(())
 }
 
@@ -190,41 +184,32 @@ fn check_counts(spec: &Spec) -> Result<()> {
 /// Refuses two objects of a kind under one name.
 fn check_names(spec: &Spec) -> Result<()> {
     let mut seen = HashSet::new();
-    let mut check = |kind: &'static str, name: &Option<String>, place: &Place| match name {
-        Some(name) if !seen.insert((kind, name.clone())) => {
-            Err(place.attribute("name", format!("there is a {kind} {name:?} already")))
+    let of_bodies = spec.bodies.iter().flat_map(|body| {
+        let joints = body.joints.iter().map(|x| ("joint", &x.name, &x.place));
+        let geoms = body.geoms.iter().map(|x| ("geom", &x.name, &x.place));
+        let sites = body.sites.iter().map(|x| ("site", &x.name, &x.place));
+        let cameras = body.cameras.iter().map(|x| ("camera", &x.name, &x.place));
+        let own = std::iter::once(("body", &body.name, &body.place));
+        own.chain(joints).chain(geoms).chain(sites).chain(cameras)
+    });
+    let actuators = spec
+        .actuators
+        .iter()
+        .map(|x| ("actuator", &x.name, &x.place));
+    let tendons = spec.tendons.iter().map(|x| ("tendon", &x.name, &x.place));
+    let sensors = spec.sensors.iter().map(|x| ("sensor", &x.name, &x.place));
+    let equalities = spec
+        .equalities
+        .iter()
+        .map(|x| ("equality", &x.name, &x.place));
+    let keys = spec.keys.iter().map(|x| ("key", &x.name, &x.place));
+    let others = actuators.chain(tendons).chain(sensors);
+    let others = others.chain(equalities).chain(keys);
+    for (kind, name, place) in of_bodies.chain(others) {
+        if name.is_some() && !seen.insert((kind, name)) {
+            let name = name.as_deref().unwrap_or_default();
+            return Err(place.attribute("name", format!("there is a {kind} {name:?} already")));
         }
-        _ => Ok(()),
-    };
-    for body in &spec.bodies {
-        check("body", &body.name, &body.place)?;
-        body.joints
-            .iter()
-            .try_for_each(|joint| check("joint", &joint.name, &joint.place))?;
-        body.geoms
-            .iter()
-            .try_for_each(|geom| check("geom", &geom.name, &geom.place))?;
-        body.sites
-            .iter()
-            .try_for_each(|site| check("site", &site.name, &site.place))?;
-        body.cameras
-            .iter()
-            .try_for_each(|camera| check("camera", &camera.name, &camera.place))?;
-    }
-    for actuator in &spec.actuators {
-        check("actuator", &actuator.name, &actuator.place)?;
-    }
-    for tendon in &spec.tendons {
-        check("tendon", &tendon.name, &tendon.place)?;
-    }
-    for sensor in &spec.sensors {
-        check("sensor", &sensor.name, &sensor.place)?;
-    }
-    for equality in &spec.equalities {
-        check("equality", &equality.name, &equality.place)?;
-    }
-    for key in &spec.keys {
-        check("key", &key.name, &key.place)?;
     }
     Ok(())
 }
@@ -256,19 +241,28 @@ fn limited(
 
 /// The object with the name, or an error.
 fn named(
+    m: &CompiledModel,
     place: &Place,
     attribute: &str,
-    kind: &str,
-    names: &[Option<String>],
+    kind: ObjectType,
     name: &str,
 ) -> Result<usize> {
-    let found = names.iter().position(|n| n.as_deref() == Some(name));
-    found.ok_or_else(|| place.attribute(attribute, format!("there is no {kind} {name:?}")))
+    let word = match kind {
+        ObjectType::Joint => "joint",
+        ObjectType::Geom => "geom",
+        ObjectType::Site => "site",
+        ObjectType::Camera => "camera",
+        ObjectType::Tendon => "tendon",
+        ObjectType::Actuator => "actuator",
+        _ => "body",
+    };
+    let missing = || place.attribute(attribute, format!("there is no {word} {name:?}"));
+    m.id(kind, name).ok_or_else(missing)
 }
 
 /// The slide or hinge of that name.
 fn scalar_joint(m: &CompiledModel, place: &Place, attribute: &str, name: &str) -> Result<usize> {
-    let id = named(place, attribute, "joint", &m.names.joint, name)?;
+    let id = named(m, place, attribute, ObjectType::Joint, name)?;
     if m.jnt_type[id].is_scalar() {
         return Ok(id);
     }

@@ -9,14 +9,8 @@ pub(super) fn add_sensors(m: &mut CompiledModel, spec: &Spec) -> Result<()> {
     for sensor in &spec.sensors {
         let object = object_of(m, sensor, sensor.object.as_ref())?;
         let reference = object_of(m, sensor, sensor.reference.as_ref())?;
-        if let (
-            About::Joint,
-            Some(Target {
-                name, attribute, ..
-            }),
-        ) = (sensor.kind.about(), &sensor.object)
-        {
-            scalar_joint(m, &sensor.place, attribute, name)?;
+        if let (About::Joint, Some(target)) = (sensor.kind.about(), &sensor.object) {
+            scalar_joint(m, &sensor.place, target.attribute, &target.name)?;
         }
         if sensor.kind.about() == About::Ball
             && m.jnt_type.get(object.1 as usize) != Some(&JointType::Ball)
@@ -42,23 +36,15 @@ fn object_of(
     sensor: &Sensor,
     target: Option<&Target>,
 ) -> Result<(ObjectType, i32)> {
-    let Some(Target {
-        kind,
-        name,
-        attribute,
-    }) = target
-    else {
+    let Some(target) = target else {
         return Ok((ObjectType::Unknown, -1));
     };
-    let (word, names) = match kind {
-        ObjectType::Joint => ("joint", &m.names.joint),
-        ObjectType::Geom => ("geom", &m.names.geom),
-        ObjectType::Site => ("site", &m.names.site),
-        ObjectType::Camera => ("camera", &m.names.camera),
-        ObjectType::Tendon => ("tendon", &m.names.tendon),
-        ObjectType::Actuator => ("actuator", &m.names.actuator),
-        _ => ("body", &m.names.body),
-    };
-    let id = named(&sensor.place, attribute, word, names, name)?;
-    Ok((*kind, id as i32))
+    let id = named(
+        m,
+        &sensor.place,
+        target.attribute,
+        target.kind,
+        &target.name,
+    )?;
+    Ok((target.kind, id as i32))
 }

@@ -3,7 +3,7 @@
 use super::{named, scalar_joint};
 use crate::mjcf::spec::{Spec, Wrap};
 use crate::mjcf::xml::Place;
-use crate::model::{CompiledModel, GeomType, WrapType};
+use crate::model::{CompiledModel, GeomType, ObjectType, WrapType};
 use crate::{Result, Revision};
 
 pub(super) fn add_tendons(m: &mut CompiledModel, spec: &Spec) -> Result<()> {
@@ -15,30 +15,19 @@ pub(super) fn add_tendons(m: &mut CompiledModel, spec: &Spec) -> Result<()> {
         for (place, wrap) in &tendon.wraps {
             add_wrap(m, place, wrap)?;
         }
-        check_path(
-            place,
-            &m.wrap_type[m.wrap_type.len() - tendon.wraps.len()..],
-        )?;
-        let limited = super::limited(
-            tendon.limited,
-            tendon.range,
-            spec,
-            place,
-            ["range", "limited"],
-        )?;
+        let first = m.wrap_type.len() - tendon.wraps.len();
+        check_path(place, &m.wrap_type[first..])?;
+        let limited = |stated, range, names| super::limited(stated, range, spec, place, names);
+        let of_range = limited(tendon.limited, tendon.range, ["range", "limited"])?;
         // before 4.0, a force range without `limited` does not limit the force
         let old = spec.revision == Revision::V3_12;
-        let force_limited = super::limited(
-            tendon.force_limited.unwrap_or(old.then_some(false)),
-            tendon.force_range,
-            spec,
-            place,
-            ["actuatorfrcrange", "actuatorfrclimited"],
-        )?;
+        let stated = tendon.force_limited.unwrap_or(old.then_some(false));
+        let names = ["actuatorfrcrange", "actuatorfrclimited"];
+        let force_limited = limited(stated, tendon.force_range, names)?;
         if tendon.spring_length[0] > tendon.spring_length[1] {
             return Err(place.attribute("springlength", "must rise"));
         }
-        m.tendon_limited.push(limited);
+        m.tendon_limited.push(of_range);
         m.tendon_range.push(tendon.range);
         m.tendon_actfrclimited.push(force_limited);
         m.tendon_actfrcrange.push(tendon.force_range);
@@ -65,11 +54,11 @@ fn add_wrap(m: &mut CompiledModel, place: &Place, wrap: &Wrap) -> Result<()> {
         }
         Wrap::Pulley(divisor) => (WrapType::Pulley, -1, *divisor),
         Wrap::Site(name) => {
-            let site = named(place, "site", "site", &m.names.site, name)?;
+            let site = named(m, place, "site", ObjectType::Site, name)?;
             (WrapType::Site, site as i32, 0.0)
         }
         Wrap::Geom(name, side) => {
-            let geom = named(place, "geom", "geom", &m.names.geom, name)?;
+            let geom = named(m, place, "geom", ObjectType::Geom, name)?;
             let kind = match m.geom_type[geom] {
                 GeomType::Sphere => WrapType::Sphere,
                 GeomType::Cylinder => WrapType::Cylinder,
@@ -79,7 +68,7 @@ fn add_wrap(m: &mut CompiledModel, place: &Place, wrap: &Wrap) -> Result<()> {
                 }
             };
             let side = match side {
-                Some(name) => named(place, "sidesite", "site", &m.names.site, name)? as f64,
+                Some(name) => named(m, place, "sidesite", ObjectType::Site, name)? as f64,
                 None => -1.0,
             };
             (kind, geom as i32, side)

@@ -121,11 +121,11 @@ impl Actuator {
             ("forcelimited", &mut self.force_limited),
             ("actlimited", &mut self.act_limited),
         ] {
-            replace(limited, element.keyword(name, &LIMITED)?);
+            element.set_keyword(name, &LIMITED, limited)?;
         }
         replace(&mut self.act_early, element.flag("actearly")?);
         replace(&mut self.group, element.integer("group")?);
-        element.ignore(&["user"]);
+        element.ignore("user");
         match element.name() {
             "general" => self.read_general(element),
             "motor" => {
@@ -159,19 +159,19 @@ impl Actuator {
             ("filterexact", DynamicsType::FilterExact),
             ("muscle", DynamicsType::Muscle),
         ];
-        replace(&mut self.dynamics, element.keyword("dyntype", &dynamics)?);
+        element.set_keyword("dyntype", &dynamics, &mut self.dynamics)?;
         let gains = [
             ("fixed", GainType::Fixed),
             ("affine", GainType::Affine),
             ("muscle", GainType::Muscle),
         ];
-        replace(&mut self.gain, element.keyword("gaintype", &gains)?);
+        element.set_keyword("gaintype", &gains, &mut self.gain)?;
         let biases = [
             ("none", BiasType::None),
             ("affine", BiasType::Affine),
             ("muscle", BiasType::Muscle),
         ];
-        replace(&mut self.bias, element.keyword("biastype", &biases)?);
+        element.set_keyword("biastype", &biases, &mut self.bias)?;
         element.up_to("dynprm", &mut self.dynprm)?;
         element.up_to("gainprm", &mut self.gainprm)?;
         element.up_to("biasprm", &mut self.biasprm)?;
@@ -203,10 +203,7 @@ impl Actuator {
                 DynamicsType::FilterExact
             };
         }
-        replace(
-            &mut self.inherit_range,
-            element.non_negative("inheritrange")?,
-        );
+        element.set_non_negative("inheritrange", &mut self.inherit_range)?;
         let integrates = element.name() == "intvelocity";
         let range = if integrates {
             self.dynamics = DynamicsType::Integrator;
@@ -215,9 +212,8 @@ impl Actuator {
             ("ctrlrange", self.ctrl_range)
         };
         if self.inherit_range > 0.0 && range.1 != [0.0; 2] {
-            return Err(self
-                .place
-                .attribute("inheritrange", format!("does not go with {}", range.0)));
+            let reason = format!("does not go with {}", range.0);
+            return Err(self.place.attribute("inheritrange", reason));
         }
         Ok(())
     }
@@ -234,9 +230,8 @@ impl Actuator {
         self.ctrl_limited = Some(true);
         self.imply(DynamicsType::None, GainType::Affine, BiasType::None);
         if self.ctrl_range.iter().any(|x| *x < 0.0) {
-            return Err(self
-                .place
-                .attribute("ctrlrange", "must not be negative here"));
+            let reason = "must not be negative here";
+            return Err(self.place.attribute("ctrlrange", reason));
         }
         Ok(())
     }
@@ -267,20 +262,19 @@ impl Actuator {
             }
         }
         element.up_to("timeconst", &mut self.dynprm[..2])?;
-        replace(&mut self.dynprm[2], element.non_negative("tausmooth")?);
+        element.set_non_negative("tausmooth", &mut self.dynprm[2])?;
         element.up_to("range", &mut self.gainprm[..2])?;
         let names = ["force", "scale", "lmin", "lmax", "vmax", "fpmax", "fvmax"];
         for (name, value) in names.into_iter().zip(&mut self.gainprm[2..]) {
-            replace(value, element.non_negative(name)?);
+            element.set_non_negative(name, value)?;
         }
         let p = &self.gainprm;
         if p[0] >= p[1] {
             return Err(self.place.attribute("range", "must rise"));
         }
         if p[4] >= 1.0 || p[5] <= 1.0 {
-            return Err(self
-                .place
-                .attribute("lmin", "must be less than 1, and lmax greater"));
+            let reason = "must be less than 1, and lmax greater";
+            return Err(self.place.attribute("lmin", reason));
         }
         if [p[3], p[6], p[7], p[8]].iter().any(|x| *x <= 0.0) {
             let reason = "scale, vmax, fpmax and fvmax must be positive";

@@ -63,10 +63,8 @@ impl Inertial {
                 return Err(place.attribute("fullinertia", "only one of diaginertia, fullinertia"));
             }
             (_, Some(_)) if orientation != Orientation::default() => {
-                return Err(place.attribute(
-                    "fullinertia",
-                    "does not go with an orientation, which it implies",
-                ));
+                let reason = "does not go with an orientation, which it implies";
+                return Err(place.attribute("fullinertia", reason));
             }
             (_, Some(full)) => Moments::Full(full),
             (diagonal, None) => Moments::Principal(diagonal.unwrap_or_default()),
@@ -107,18 +105,17 @@ const MODES: [(&str, u8); 5] = [
 impl Camera {
     pub(crate) fn read(&mut self, element: &mut Element<'_, '_>) -> Result<()> {
         self.place = element.place();
-        replace(&mut self.mode, element.keyword("mode", &MODES)?);
+        element.set_keyword("mode", &MODES, &mut self.mode)?;
         self.target = element.text("target").or(self.target.take());
         replace(&mut self.pos, element.numbers("pos")?);
         replace(&mut self.fovy, element.number("fovy")?);
         if !(self.fovy > 0.0 && self.fovy < 180.0) {
-            return Err(self
-                .place
-                .attribute("fovy", "must lie between 0 and 180 degrees"));
+            let reason = "must lie between 0 and 180 degrees";
+            return Err(self.place.attribute("fovy", reason));
         }
         self.orientation.read(element)?;
         element.keyword("projection", &[("perspective", ())])?;
-        element.ignore(&["user", "ipd", "resolution", "output"]);
+        element.ignore("user ipd resolution output");
         Ok(())
     }
 }
@@ -147,23 +144,10 @@ impl Light {
             }
             self.dir = dir.map(|x| x / length);
         }
-        element.ignore(&[
-            "mode",
-            "target",
-            "castshadow",
-            "active",
-            "ambient",
-            "diffuse",
-            "specular",
-            "attenuation",
-            "cutoff",
-            "exponent",
-            "softness",
-            "bulbradius",
-            "intensity",
-            "range",
-            "texture",
-        ]);
+        element.ignore(
+            "mode target castshadow active ambient diffuse specular attenuation cutoff exponent \
+             softness bulbradius intensity range texture",
+        );
         Ok(())
     }
 }

@@ -13,7 +13,7 @@ pub(crate) struct Exclude {
 
 impl Exclude {
     pub(crate) fn read(mut element: Element<'_, '_>) -> Result<Self> {
-        element.ignore(&["name", "class"]);
+        element.ignore("name class");
         let bodies = [
             element.required_text("body1")?,
             element.required_text("body2")?,

@@ -103,25 +103,20 @@ pub(crate) type Sequence = [(usize, bool); 3];
 
 impl Compiler {
     pub(crate) fn read(&mut self, mut element: Element<'_, '_>) -> Result<()> {
-        replace(
+        element.set_keyword(
+            "angle",
+            &[("degree", true), ("radian", false)],
             &mut self.degree,
-            element.keyword("angle", &[("degree", true), ("radian", false)])?,
-        );
+        )?;
         element.keyword("coordinate", &[("local", ())])?;
         let choices = [("auto", None), ("false", Some(false)), ("true", Some(true))];
-        replace(
-            &mut self.inertia_from_geom,
-            element.keyword("inertiafromgeom", &choices)?,
-        );
+        element.set_keyword("inertiafromgeom", &choices, &mut self.inertia_from_geom)?;
         if let Some(mass) = element.number("settotalmass")? {
             self.total_mass = (mass > 0.0).then_some(mass);
         }
         replace(&mut self.autolimits, element.flag("autolimits")?);
-        replace(&mut self.bound_mass, element.non_negative("boundmass")?);
-        replace(
-            &mut self.bound_inertia,
-            element.non_negative("boundinertia")?,
-        );
+        element.set_non_negative("boundmass", &mut self.bound_mass)?;
+        element.set_non_negative("boundinertia", &mut self.bound_inertia)?;
         replace(&mut self.balance_inertia, element.flag("balanceinertia")?);
         if let Some([first, last]) = element.numbers("inertiagrouprange")? {
             self.inertia_groups = [first as i32, last as i32];
@@ -135,14 +130,7 @@ impl Compiler {
         }
         // attributes of files that are not read, and attributes without effect on the compiled
         // model
-        element.ignore(&[
-            "assetdir",
-            "meshdir",
-            "texturedir",
-            "strippath",
-            "usethread",
-            "saveinertial",
-        ]);
+        element.ignore("assetdir meshdir texturedir strippath usethread saveinertial");
         for name in ["fusestatic", "discardvisual", "alignfree", "fitaabb"] {
             element.keyword(name, &[("false", ())])?;
         }
@@ -177,17 +165,10 @@ impl Material {
     /// Stores the colour, and ignores other attributes that affect only pictures.
     pub(crate) fn read(&mut self, element: &mut Element<'_, '_>) -> Result<()> {
         replace(&mut self.rgba, element.numbers("rgba")?);
-        element.ignore(&[
-            "texture",
-            "texrepeat",
-            "texuniform",
-            "emission",
-            "specular",
-            "shininess",
-            "reflectance",
-            "metallic",
-            "roughness",
-        ]);
+        element.ignore(
+            "texture texrepeat texuniform emission specular shininess reflectance metallic \
+             roughness",
+        );
         Ok(())
     }
 }

@@ -50,7 +50,7 @@ impl Joint {
             ("slide", JointType::Slide),
             ("hinge", JointType::Hinge),
         ];
-        replace(&mut self.kind, element.keyword("type", &kinds)?);
+        element.set_keyword("type", &kinds, &mut self.kind)?;
         replace(&mut self.pos, element.numbers("pos")?);
         if let Some(axis) = element.numbers::<3>("axis")? {
             if norm(&axis) < EPS {
@@ -59,13 +59,13 @@ impl Joint {
             self.axis = axis;
         }
         replace(&mut self.range, element.numbers("range")?);
-        replace(&mut self.limited, element.keyword("limited", &LIMITED)?);
+        element.set_keyword("limited", &LIMITED, &mut self.limited)?;
         replace(&mut self.reference, element.number("ref")?);
         replace(&mut self.spring_reference, element.number("springref")?);
-        replace(&mut self.stiffness, element.non_negative("stiffness")?);
-        replace(&mut self.damping, element.non_negative("damping")?);
-        replace(&mut self.armature, element.non_negative("armature")?);
-        replace(&mut self.margin, element.non_negative("margin")?);
+        element.set_non_negative("stiffness", &mut self.stiffness)?;
+        element.set_non_negative("damping", &mut self.damping)?;
+        element.set_non_negative("armature", &mut self.armature)?;
+        element.set_non_negative("margin", &mut self.margin)?;
         if let Some(numbers) = element.numbers::<2>("springdamper")? {
             if numbers != [0.0; 2] && numbers.iter().any(|x| *x <= 0.0) {
                 let reason = "time constant and damping ratio must be positive";
@@ -73,24 +73,18 @@ impl Joint {
             }
             self.spring_damper = numbers;
         }
-        replace(
-            &mut self.friction_loss,
-            element.non_negative("frictionloss")?,
-        );
+        element.set_non_negative("frictionloss", &mut self.friction_loss)?;
         read_solref(element, "solreflimit", &mut self.solref)?;
         element.up_to("solimplimit", &mut self.solimp)?;
         read_solref(element, "solreffriction", &mut self.solref_friction)?;
         element.up_to("solimpfriction", &mut self.solimp_friction)?;
         replace(&mut self.force_range, element.numbers("actuatorfrcrange")?);
-        replace(
-            &mut self.force_limited,
-            element.keyword("actuatorfrclimited", &LIMITED)?,
-        );
+        element.set_keyword("actuatorfrclimited", &LIMITED, &mut self.force_limited)?;
         replace(
             &mut self.actuator_gravcomp,
             element.flag("actuatorgravcomp")?,
         );
-        element.ignore(&["user", "group"]);
+        element.ignore("user group");
         Ok(())
     }
 
@@ -102,7 +96,7 @@ impl Joint {
             ..Self::default()
         };
         element.keyword("align", &[("false", ()), ("auto", ())])?;
-        element.ignore(&["group"]);
+        element.ignore("group");
         element.finish_without_children()?;
         Ok(joint)
     }
@@ -155,12 +149,12 @@ impl Geom {
             ("box", GeomType::Box),
             ("mesh", GeomType::Mesh),
         ];
-        replace(&mut self.shape, element.keyword("type", &shapes)?);
+        element.set_keyword("type", &shapes, &mut self.shape)?;
         element.up_to("size", &mut self.size)?;
         replace_some(&mut self.pos, element.numbers("pos")?);
         self.orientation.read(element)?;
         replace_some(&mut self.fromto, element.numbers("fromto")?);
-        replace(&mut self.density, element.non_negative("density")?);
+        element.set_non_negative("density", &mut self.density)?;
         replace_some(&mut self.mass, element.non_negative("mass")?);
         element.up_to("friction", &mut self.friction)?;
         if self.friction.iter().any(|x| *x < 0.0) {
@@ -168,20 +162,17 @@ impl Geom {
         }
         replace(&mut self.condim, read_condim(element)?);
         // bit masks, which may be given as negative numbers
-        replace(
-            &mut self.contype,
-            element.integer::<i32>("contype")?.map(|bits| bits as u32),
-        );
-        replace(
-            &mut self.conaffinity,
-            element
-                .integer::<i32>("conaffinity")?
-                .map(|bits| bits as u32),
-        );
+        for (name, bits) in [
+            ("contype", &mut self.contype),
+            ("conaffinity", &mut self.conaffinity),
+        ] {
+            let given = element.integer::<i32>(name)?;
+            replace(bits, given.map(|bits| bits as u32));
+        }
         replace(&mut self.margin, element.number("margin")?);
         replace(&mut self.gap, element.number("gap")?);
         replace(&mut self.priority, element.integer("priority")?);
-        replace(&mut self.solmix, element.non_negative("solmix")?);
+        element.set_non_negative("solmix", &mut self.solmix)?;
         read_solref(element, "solref", &mut self.solref)?;
         element.up_to("solimp", &mut self.solimp)?;
         replace(&mut self.rgba, element.numbers("rgba")?);
@@ -190,12 +181,9 @@ impl Geom {
         replace(&mut self.group, element.integer("group")?);
         replace(&mut self.shell, element.flag("shellinertia")?);
         let shapes = [("none", false), ("ellipsoid", true)];
-        replace(
-            &mut self.fluid_ellipsoid,
-            element.keyword("fluidshape", &shapes)?,
-        );
+        element.set_keyword("fluidshape", &shapes, &mut self.fluid_ellipsoid)?;
         element.up_to("fluidcoef", &mut self.fluid)?;
-        element.ignore(&["user"]);
+        element.ignore("user");
         Ok(())
     }
 }
@@ -225,13 +213,13 @@ impl Site {
             ("cylinder", 5),
             ("box", 6),
         ];
-        replace(&mut self.shape, element.keyword("type", &shapes)?);
+        element.set_keyword("type", &shapes, &mut self.shape)?;
         element.up_to("size", &mut self.size)?;
         replace(&mut self.pos, element.numbers("pos")?);
         self.orientation.read(element)?;
         replace_some(&mut self.fromto, element.numbers("fromto")?);
         replace(&mut self.rgba, element.numbers("rgba")?);
-        element.ignore(&["user", "group", "material"]);
+        element.ignore("user group material");
         Ok(())
     }
 }

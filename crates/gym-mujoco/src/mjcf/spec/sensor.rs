@@ -1,6 +1,5 @@
 //! Sensors.
 
-use super::replace;
 use crate::Result;
 use crate::mjcf::xml::{Element, Place};
 use crate::model::{About, ObjectType, SensorType};
@@ -51,7 +50,7 @@ impl Sensor {
             }
             sensor.cutoff = cutoff;
         }
-        replace(&mut sensor.noise, element.non_negative("noise")?);
+        element.set_non_negative("noise", &mut sensor.noise)?;
         let target = |element: &mut Element<'_, '_>, kind, attribute| {
             let name = element.required_text(attribute)?;
             Ok::<_, crate::Error>(Some(Target {
@@ -79,7 +78,7 @@ impl Sensor {
         {
             sensor.reference = target(&mut element, reference, "refname")?;
         }
-        element.ignore(&["user"]);
+        element.ignore("user");
         element.finish_without_children()?;
         Ok(sensor)
     }

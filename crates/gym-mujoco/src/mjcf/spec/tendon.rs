@@ -44,7 +44,7 @@ impl Tendon {
     /// Reads the attributes, which both kinds of tendon share.
     pub(crate) fn read(&mut self, element: &mut Element<'_, '_>) -> Result<()> {
         self.place = element.place();
-        replace(&mut self.limited, element.keyword("limited", &LIMITED)?);
+        element.set_keyword("limited", &LIMITED, &mut self.limited)?;
         replace(&mut self.range, element.numbers("range")?);
         replace_some(
             &mut self.force_limited,
@@ -56,21 +56,17 @@ impl Tendon {
         element.up_to("solimplimit", &mut self.solimp)?;
         read_solref(element, "solreffriction", &mut self.solref_friction)?;
         element.up_to("solimpfriction", &mut self.solimp_friction)?;
-        replace(
-            &mut self.friction_loss,
-            element.non_negative("frictionloss")?,
-        );
-        replace(&mut self.stiffness, element.non_negative("stiffness")?);
-        replace(&mut self.damping, element.non_negative("damping")?);
+        element.set_non_negative("frictionloss", &mut self.friction_loss)?;
+        element.set_non_negative("stiffness", &mut self.stiffness)?;
+        element.set_non_negative("damping", &mut self.damping)?;
         if element.number("armature")?.is_some_and(|x| x != 0.0) {
-            return Err(self
-                .place
-                .attribute("armature", "armature of tendons is not supported: use 0"));
+            let reason = "armature of tendons is not supported: use 0";
+            return Err(self.place.attribute("armature", reason));
         }
         if element.up_to("springlength", &mut self.spring_length)? == 1 {
             self.spring_length[1] = self.spring_length[0];
         }
-        element.ignore(&["user", "group", "rgba", "width", "material"]);
+        element.ignore("user group rgba width material");
         Ok(())
     }
 

@@ -275,7 +275,7 @@ pub struct Contact {
     pub(crate) pair: usize,
 }
 
-/// Calls `$do` for each array of `Data`, with its length and initial values.
+/// Calls `$do` for each array of `Data`, or for the arrays listed, with length and initial value.
 macro_rules! arrays {
     ($d:ident, $m:ident, $do:path) => {
         arrays! { $d, $do:
@@ -307,6 +307,7 @@ macro_rules! arrays {
         $($($do(&mut $d.$array, $length, $value);)+)+
     };
 }
+pub(crate) use arrays;
 
 /// Fills an array with a value.
 fn fill<T: Clone>(array: &mut [T], _length: usize, value: T) {
@@ -454,10 +455,8 @@ impl Data {
     pub(crate) fn is_pushed(&self) -> bool {
         let applied = [&self.qfrc_applied[..], self.xfrc_applied.as_flattened()];
         // the bits of all numbers, without signs: a loop without an early exit vectorises
-        let bits = applied
-            .into_iter()
-            .flatten()
-            .fold(0, |bits, x| bits | x.to_bits());
+        let numbers = applied.into_iter().flatten();
+        let bits = numbers.fold(0, |bits, x| bits | x.to_bits());
         bits << 1 != 0
     }
 
@@ -516,55 +515,37 @@ impl Data {
     /// [`Error::Data`] if an array of the state has another length than the model's, or a number
     /// exceeds the engine's bounds.
     pub fn check(&self, m: &Model) -> Result<()> {
-        for state in [self.last.map(|_| &self.before), Some(&self.state())]
-            .into_iter()
-            .flatten()
-        {
+        let (before, now) = (self.last.map(|_| &self.before), &self.state());
+        for state in before.into_iter().chain([now]) {
             let none = state.qfrc_applied.is_empty() && state.xfrc_applied.is_empty();
             let applied = |length: usize| if none { 0 } else { length };
             let inverse = self.last == Some(Call::Inverse) && state.qacc.len() == m.nv();
+            let (mocap_pos, mocap_quat) = (
+                state.mocap_pos.as_flattened(),
+                state.mocap_quat.as_flattened(),
+            );
+            let xfrc = state.xfrc_applied.as_flattened();
+            let (mocap, nqacc) = (m.nmocap(), if inverse { m.nv() } else { 0 });
             for (name, numbers, length, most) in [
                 ("qpos", &state.qpos[..], m.nq(), MAXVAL),
                 ("qvel", &state.qvel, m.nv(), MAXVAL),
                 ("ctrl", &state.ctrl, m.nu(), f64::from(f32::MAX)),
                 ("qacc_warmstart", &state.qacc_warmstart, m.nv(), MAXVAL),
                 ("act", &state.act, m.na(), MAXVAL),
-                (
-                    "mocap_pos",
-                    state.mocap_pos.as_flattened(),
-                    3 * m.nmocap(),
-                    MAXVAL,
-                ),
-                (
-                    "mocap_quat",
-                    state.mocap_quat.as_flattened(),
-                    4 * m.nmocap(),
-                    MAXVAL,
-                ),
+                ("mocap_pos", mocap_pos, 3 * mocap, MAXVAL),
+                ("mocap_quat", mocap_quat, 4 * mocap, MAXVAL),
                 ("qfrc_applied", &state.qfrc_applied, applied(m.nv()), MAXVAL),
-                (
-                    "xfrc_applied",
-                    state.xfrc_applied.as_flattened(),
-                    applied(6 * m.nbody()),
-                    MAXVAL,
-                ),
-                (
-                    "qacc",
-                    &state.qacc,
-                    if inverse { m.nv() } else { 0 },
-                    MAXVAL,
-                ),
+                ("xfrc_applied", xfrc, applied(6 * m.nbody()), MAXVAL),
+                ("qacc", &state.qacc, nqacc, MAXVAL),
             ] {
-                if numbers.len() != length {
-                    let have = numbers.len();
-                    return Err(Error::Data(format!(
-                        "{name} has {have} elements, the model needs {length}"
-                    )));
+                let have = numbers.len();
+                if have != length {
+                    let reason = format!("{name} has {have} elements, the model needs {length}");
+                    return Err(Error::Data(reason));
                 }
                 if let Some(x) = numbers.iter().find(|x| x.is_nan() || x.abs() > most) {
-                    return Err(Error::Data(format!(
-                        "{name} has {x}: numbers must lie within ±{most:e}"
-                    )));
+                    let reason = format!("{name} has {x}: numbers must lie within ±{most:e}");
+                    return Err(Error::Data(reason));
                 }
             }
         }

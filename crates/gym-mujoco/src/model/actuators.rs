@@ -52,11 +52,9 @@ fn straight(m: &CompiledModel, i: usize) -> bool {
         TransmissionType::Joint => m.jnt_type[id as usize].is_scalar(),
         TransmissionType::Tendon => {
             let parts = m.tendon_adr[id as usize]..;
-            let mut joints: Vec<i32> = parts
-                .take(m.tendon_num[id as usize])
-                .filter(|&w| m.wrap_type[w] == WrapType::Joint)
-                .map(|w| m.wrap_objid[w])
-                .collect();
+            let parts = parts.take(m.tendon_num[id as usize]);
+            let joints = parts.filter(|&w| m.wrap_type[w] == WrapType::Joint);
+            let mut joints: Vec<i32> = joints.map(|w| m.wrap_objid[w]).collect();
             joints.sort_unstable();
             joints.dedup();
             joints.len() == m.tendon_num[id as usize]

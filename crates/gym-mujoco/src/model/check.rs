@@ -1,5 +1,7 @@
 //! Refuses models on which the engine would compute wrong results or panic.
 
+use std::fmt::Display;
+
 use super::{CompiledModel, GeomType, JointType, features};
 use crate::{Error, Result};
 
@@ -92,78 +94,58 @@ fn lengths(m: &CompiledModel) -> Result<()> {
     Ok(())
 }
 
+/// Requires an element of an array to be the number that follows from others.
+pub(super) fn same<T>(array: &str, i: usize, is: T, of: T) -> Result<()>
+where
+    T: Copy + Display + PartialEq,
+{
+    ensure!(is == of, "{array}[{i}] is {is}, expected {of}");
+    Ok(())
+}
+
 fn bodies(m: &CompiledModel) -> Result<()> {
     ensure!(m.nbody() > 0, "there is no body: body 0 must be the world");
     ensure!(
         m.body_parentid[0] == 0 && m.body_jntnum[0] == 0 && m.body_dofnum[0] == 0,
         "body 0 must be the world"
     );
-    let (mut joint, mut dof, mut geom) = (0, 0, 0);
+    let mut next = [0; 3];
     for b in 0..m.nbody() {
         let parent = m.body_parentid[b];
         ensure!(
             b == 0 || parent < b,
             "body_parentid[{b}] is {parent}, which is not before the body"
         );
-        let root = if b == 0 || parent == 0 {
-            b
-        } else {
-            m.body_rootid[parent]
-        };
-        ensure!(
-            m.body_rootid[b] == root,
-            "body_rootid[{b}] is {}, expected {root}",
-            m.body_rootid[b]
-        );
+        let inherited = |own: bool, ids: &[usize]| if own { b } else { ids[parent] };
+        let root = inherited(b == 0 || parent == 0, &m.body_rootid);
+        same("body_rootid", b, m.body_rootid[b], root)?;
         let mocap = m.body_mocapid[b] >= 0;
         ensure!(
             !mocap || (b > 0 && parent == 0 && m.body_jntnum[b] == 0),
             "body {b} is a mocap body, but not a child of the world without joints"
         );
-        let weld = if b == 0 || mocap || m.body_jntnum[b] > 0 {
-            b
-        } else {
-            m.body_weldid[parent]
-        };
-        ensure!(
-            m.body_weldid[b] == weld,
-            "body_weldid[{b}] is {}, expected {weld}",
-            m.body_weldid[b]
-        );
-        for (name, number, address, next, total) in [
-            (
-                "jnt",
-                m.body_jntnum[b],
-                m.body_jntadr[b],
-                &mut joint,
-                m.njnt(),
-            ),
-            ("dof", m.body_dofnum[b], m.body_dofadr[b], &mut dof, m.nv()),
-            (
-                "geom",
-                m.body_geomnum[b],
-                m.body_geomadr[b],
-                &mut geom,
-                m.ngeom(),
-            ),
-        ] {
+        let weld = inherited(b == 0 || mocap || m.body_jntnum[b] > 0, &m.body_weldid);
+        same("body_weldid", b, m.body_weldid[b], weld)?;
+        let parts = [
+            ("jnt", m.body_jntnum[b], m.body_jntadr[b], m.njnt()),
+            ("dof", m.body_dofnum[b], m.body_dofadr[b], m.nv()),
+            ("geom", m.body_geomnum[b], m.body_geomadr[b], m.ngeom()),
+        ];
+        for ((name, number, address, total), next) in parts.into_iter().zip(&mut next) {
             ensure!(
                 number <= total - *next,
                 "body_{name}num[{b}] is {number}, beyond the last"
             );
+            let expected = if number == 0 { -1 } else { *next as i32 };
             ensure!(
-                if number == 0 {
-                    address == -1
-                } else {
-                    usize::try_from(address) == Ok(*next)
-                },
+                address == expected,
                 "body_{name}adr[{b}] is {address}: the bodies' elements must follow each other, and it is -1 where there is none"
             );
             *next += number;
         }
     }
     ensure!(
-        joint == m.njnt() && dof == m.nv() && geom == m.ngeom(),
+        next == [m.njnt(), m.nv(), m.ngeom()],
         "joints, dofs or geoms belong to no body"
     );
     Ok(())
@@ -202,11 +184,7 @@ fn joints(m: &CompiledModel) -> Result<()> {
             } else {
                 m.last_dof(m.body_parentid[body])
             };
-            ensure!(
-                m.dof_parentid[i] == parent,
-                "dof_parentid[{i}] is {}, expected {parent}",
-                m.dof_parentid[i]
-            );
+            same("dof_parentid", i, m.dof_parentid[i], parent)?;
             let mut before = i as i32 - 1;
             while before > parent {
                 before = m.dof_parentid[before as usize];
@@ -217,19 +195,10 @@ fn joints(m: &CompiledModel) -> Result<()> {
             );
             let tree = match usize::try_from(parent) {
                 Ok(parent) => m.dof_treeid[parent],
-                Err(_) => {
-                    if i == 0 {
-                        0
-                    } else {
-                        m.dof_treeid[i - 1] + 1
-                    }
-                }
+                Err(_) if i == 0 => 0,
+                Err(_) => m.dof_treeid[i - 1] + 1,
             };
-            ensure!(
-                m.dof_treeid[i] == tree,
-                "dof_treeid[{i}] is {}, expected {tree}",
-                m.dof_treeid[i]
-            );
+            same("dof_treeid", i, m.dof_treeid[i], tree)?;
         }
         dof += nv;
     }
@@ -240,17 +209,12 @@ fn joints(m: &CompiledModel) -> Result<()> {
     for b in 0..m.nbody() {
         let dof = m.last_dof(b);
         let tree = usize::try_from(dof).map_or(-1, |dof| m.dof_treeid[dof] as i32);
-        ensure!(
-            m.body_treeid[b] == tree,
-            "body_treeid[{b}] is {}, expected {tree}",
-            m.body_treeid[b]
-        );
+        same("body_treeid", b, m.body_treeid[b], tree)?;
     }
-    for i in 0..m.nv() {
+    for (i, &count) in m.dof_simplenum.iter().enumerate() {
         ensure!(
-            m.dof_simplenum[i] <= m.nv() - i,
-            "dof_simplenum[{i}] is {}, beyond the last",
-            m.dof_simplenum[i]
+            count <= m.nv() - i,
+            "dof_simplenum[{i}] is {count}, beyond the last"
         );
     }
     Ok(())

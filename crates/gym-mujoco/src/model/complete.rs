@@ -5,6 +5,7 @@ use serde::{Deserialize, Serialize};
 use super::{
     BiasType, CompiledModel, DynamicsType, GainType, ObjectType, TransmissionType, WrapType,
 };
+use crate::data::arrays;
 
 /// Parameters of an actuator's dynamics, gain or bias: ten numbers. A serialised list may be
 /// shorter; the missing numbers are zero.
@@ -52,7 +53,7 @@ pub(crate) const SOLREF: [f64; 2] = [0.02, 1.0];
 pub(crate) const SOLIMP: [f64; 5] = [0.9, 0.95, 0.001, 0.5, 2.0];
 
 /// Fills an empty array with `length` copies of `value`.
-fn fill<T: Clone>(length: usize, value: T, array: &mut Vec<T>) {
+fn fill<T: Clone>(array: &mut Vec<T>, length: usize, value: T) {
     if array.is_empty() {
         *array = vec![value; length];
     }
@@ -65,53 +66,37 @@ impl CompiledModel {
         let (nbody, njnt, nv, ngeom) = (self.nbody(), self.njnt(), self.nv(), self.ngeom());
         let (nu, ntendon, nkey) = (self.nu(), self.ntendon(), self.key_time.len());
         let (nwrap, neq) = (self.wrap_objid.len(), self.neq());
-        fill(nbody, -1, &mut self.body_mocapid);
-        fill(nbody, 0.0, &mut self.body_gravcomp);
-        fill(njnt, false, &mut self.jnt_actfrclimited);
-        fill(njnt, false, &mut self.jnt_actgravcomp);
-        fill(njnt, [0.0; 2], &mut self.jnt_actfrcrange);
-        fill(nv, 0.0, &mut self.dof_frictionloss);
-        fill(nv, SOLREF, &mut self.dof_solref);
-        fill(nv, SOLIMP, &mut self.dof_solimp);
-        fill(ngeom, Fluid::default(), &mut self.geom_fluid);
-        fill(nu, TransmissionType::Joint, &mut self.actuator_trntype);
-        fill(nu, DynamicsType::None, &mut self.actuator_dyntype);
-        fill(nu, GainType::Fixed, &mut self.actuator_gaintype);
-        fill(nu, BiasType::None, &mut self.actuator_biastype);
-        let mut one = Parameters::default();
-        one.0[0] = 1.0;
-        fill(nu, one, &mut self.actuator_dynprm);
-        fill(nu, one, &mut self.actuator_gainprm);
-        fill(nu, Parameters::default(), &mut self.actuator_biasprm);
-        fill(nu, false, &mut self.actuator_forcelimited);
-        fill(nu, false, &mut self.actuator_actlimited);
-        fill(nu, false, &mut self.actuator_actearly);
-        fill(nu, [0.0; 2], &mut self.actuator_forcerange);
-        fill(nu, [0.0; 2], &mut self.actuator_actrange);
-        fill(nu, [0.0; 2], &mut self.actuator_lengthrange);
-        fill(nu, -1, &mut self.actuator_actadr);
-        fill(nu, 0, &mut self.actuator_group);
-        fill(nu, 0.0, &mut self.actuator_length0);
-        fill(nu, 0.0, &mut self.actuator_acc0);
-        fill(ntendon, false, &mut self.tendon_limited);
-        fill(ntendon, false, &mut self.tendon_actfrclimited);
-        fill(ntendon, [0.0; 2], &mut self.tendon_range);
-        fill(ntendon, [0.0; 2], &mut self.tendon_actfrcrange);
-        fill(ntendon, [0.0; 2], &mut self.tendon_lengthspring);
-        fill(ntendon, 0.0, &mut self.tendon_margin);
-        fill(ntendon, 0.0, &mut self.tendon_stiffness);
-        fill(ntendon, 0.0, &mut self.tendon_damping);
-        fill(ntendon, 0.0, &mut self.tendon_frictionloss);
-        fill(ntendon, 0.0, &mut self.tendon_length0);
-        fill(ntendon, 0.0, &mut self.tendon_invweight0);
-        fill(ntendon, SOLREF, &mut self.tendon_solref_lim);
-        fill(ntendon, SOLREF, &mut self.tendon_solref_fri);
-        fill(ntendon, SOLIMP, &mut self.tendon_solimp_lim);
-        fill(ntendon, SOLIMP, &mut self.tendon_solimp_fri);
-        fill(nwrap, WrapType::Joint, &mut self.wrap_type);
-        fill(neq, ObjectType::Body, &mut self.eq_objtype);
-        fill(nkey, Vec::new(), &mut self.key_act);
-        fill(nkey, Vec::new(), &mut self.key_mpos);
-        fill(nkey, Vec::new(), &mut self.key_mquat);
+        let (one, nothing) = (Parameters(padded(&[1.0])), Parameters::default());
+        let m = self;
+        arrays! { m, fill:
+            nbody, -1 => body_mocapid;
+            nbody, 0.0 => body_gravcomp;
+            njnt, false => jnt_actfrclimited jnt_actgravcomp;
+            njnt, [0.0; 2] => jnt_actfrcrange;
+            nv, 0.0 => dof_frictionloss;
+            nv, SOLREF => dof_solref;
+            nv, SOLIMP => dof_solimp;
+            ngeom, Fluid::default() => geom_fluid;
+            nu, TransmissionType::Joint => actuator_trntype;
+            nu, DynamicsType::None => actuator_dyntype;
+            nu, GainType::Fixed => actuator_gaintype;
+            nu, BiasType::None => actuator_biastype;
+            nu, one => actuator_dynprm actuator_gainprm;
+            nu, nothing => actuator_biasprm;
+            nu, false => actuator_forcelimited actuator_actlimited actuator_actearly;
+            nu, [0.0; 2] => actuator_forcerange actuator_actrange actuator_lengthrange;
+            nu, -1 => actuator_actadr;
+            nu, 0 => actuator_group;
+            nu, 0.0 => actuator_length0 actuator_acc0;
+            ntendon, false => tendon_limited tendon_actfrclimited;
+            ntendon, [0.0; 2] => tendon_range tendon_actfrcrange tendon_lengthspring;
+            ntendon, 0.0 => tendon_margin tendon_stiffness tendon_damping tendon_frictionloss
+            tendon_length0 tendon_invweight0;
+            ntendon, SOLREF => tendon_solref_lim tendon_solref_fri;
+            ntendon, SOLIMP => tendon_solimp_lim tendon_solimp_fri;
+            nwrap, WrapType::Joint => wrap_type;
+            neq, ObjectType::Body => eq_objtype;
+            nkey, Vec::new() => key_act key_mpos key_mquat;
+        }
     }
 }

@@ -400,17 +400,14 @@ fn add_statistics(m: &mut CompiledModel, d: &Data) {
     (m.stat.meansize, m.stat.meanmass) = match m.nbody() - 1 {
         0 => (0.2, 1.0),
         n => {
-            let sizes = body_sizes(m, d)[1..]
-                .iter()
-                .map(|size| size / n as f64)
-                .sum();
+            let sizes = &body_sizes(m, d)[1..];
+            let sizes = sizes.iter().map(|size| size / n as f64).sum();
             (sizes, m.body_mass[1..].iter().sum::<f64>() / n as f64)
         }
     };
     (m.stat.extent, m.stat.center) = if min[0] <= max[0] {
-        let extent = (0..3)
-            .map(|k| max[k] - min[k])
-            .fold(2.0 * m.stat.meansize, f64::max);
+        let sides = (0..3).map(|k| max[k] - min[k]);
+        let extent = sides.fold(2.0 * m.stat.meansize, f64::max);
         (extent, std::array::from_fn(|k| (min[k] + max[k]) / 2.0))
     } else {
         (2.0, [0.0; 3])

@@ -42,9 +42,8 @@ impl ModelConstraints {
     /// The connect or weld constraint `id`; `None` for a constraint of joints or tendons.
     pub(crate) fn of_bodies(&self, id: usize) -> Option<&Equality> {
         let of_bodies = [EqualityType::Connect, EqualityType::Weld];
-        self.equalities
-            .iter()
-            .find(|equality| equality.id == id && of_bodies.contains(&equality.kind))
+        let mut equalities = self.equalities.iter();
+        equalities.find(|equality| equality.id == id && of_bodies.contains(&equality.kind))
     }
 
     pub(crate) fn new(m: &CompiledModel) -> Self {
@@ -99,11 +98,8 @@ impl ModelConstraints {
     pub(crate) fn most(&self) -> (usize, usize) {
         let scalars = self.dof_frictions.len() + self.tendon_frictions.len();
         let limits = 2 * self.tendon_limits.len();
-        let rows: usize = self
-            .equalities
-            .iter()
-            .map(|equality| equality.kind.rows())
-            .sum();
+        let equalities = self.equalities.iter();
+        let rows: usize = equalities.map(|equality| equality.kind.rows()).sum();
         let blocks = self.equalities.len() + scalars + limits;
         (blocks, rows + scalars + limits)
     }

@@ -1,5 +1,6 @@
 //! Checks references between objects, and refuses features that the engine does not support.
 
+use super::check::same;
 use super::{
     CompiledModel, DynamicsType, EqualityType, GeomType, ObjectType, SensorType, TransmissionType,
     WrapType,
@@ -67,11 +68,7 @@ fn actuators(m: &CompiledModel) -> Result<()> {
         );
         let active = m.actuator_dyntype[i] != DynamicsType::None;
         let expected = if active { activations } else { -1 };
-        ensure!(
-            m.actuator_actadr[i] == expected,
-            "actuator_actadr[{i}] is {}, expected {expected}",
-            m.actuator_actadr[i]
-        );
+        same("actuator_actadr", i, m.actuator_actadr[i], expected)?;
         activations += i32::from(active);
     }
     Ok(())
@@ -168,19 +165,15 @@ fn sensors(m: &CompiledModel) -> Result<()> {
 
 /// Refuses unsupported features.
 fn unsupported(m: &CompiledModel) -> Result<()> {
-    for (used, what) in [
-        (
-            m.geom_type.contains(&GeomType::Mesh)
-                && m.sensor_type.contains(&SensorType::Rangefinder),
-            "rangefinders, which see meshes, in a model with meshes",
-        ),
-        (
-            senses_mesh(m),
-            "sensors of a mesh, whose centre is not computed",
-        ),
-    ] {
-        ensure!(!used, "{what}: not supported");
-    }
+    let sees = m.sensor_type.contains(&SensorType::Rangefinder);
+    ensure!(
+        !(sees && m.geom_type.contains(&GeomType::Mesh)),
+        "rangefinders, which see meshes, in a model with meshes: not supported"
+    );
+    ensure!(
+        !senses_mesh(m),
+        "sensors of a mesh, whose centre is not computed: not supported"
+    );
     Ok(())
 }
 

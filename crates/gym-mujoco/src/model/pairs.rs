@@ -1,6 +1,5 @@
 //! Pairs of geoms that can touch, and their contact parameters.
 
-use super::mix::Mixed;
 use super::plan::Plan;
 use super::{CompiledModel, Cone, Disable, GeomType, Softness};
 use crate::{Error, Result, Revision};
@@ -47,16 +46,13 @@ pub(crate) struct Pair {
 impl Pair {
     /// Whether the contacts need the general routine for convex shapes.
     pub(crate) fn is_convex(&self) -> bool {
-        matches!(
-            self.kind,
-            (
-                GeomType::Sphere | GeomType::Capsule | GeomType::Ellipsoid,
-                GeomType::Ellipsoid
-            ) | (
-                GeomType::Capsule | GeomType::Ellipsoid | GeomType::Cylinder,
-                GeomType::Cylinder
-            ) | (GeomType::Ellipsoid | GeomType::Cylinder, GeomType::Box)
-        )
+        use GeomType::{Box, Capsule, Cylinder, Ellipsoid, Sphere};
+        match self.kind.1 {
+            Ellipsoid => matches!(self.kind.0, Sphere | Capsule | Ellipsoid),
+            Cylinder => matches!(self.kind.0, Capsule | Ellipsoid | Cylinder),
+            Box => matches!(self.kind.0, Ellipsoid | Cylinder),
+            _ => false,
+        }
     }
 }
 
@@ -121,9 +117,8 @@ impl Plan {
                 // pairs that the model lists come first, and replace automatic pairs of the same
                 // geoms
                 let of_bodies = stated[next..].iter();
-                let count = of_bodies
-                    .take_while(|&&i| stated_bodies(m, i) == [b1, b2])
-                    .count();
+                let of_bodies = of_bodies.take_while(|&&i| stated_bodies(m, i) == [b1, b2]);
+                let count = of_bodies.count();
                 let of_bodies = &stated[next..next + count];
                 next += count;
                 for &i in of_bodies {
@@ -179,14 +174,8 @@ impl Plan {
             });
         }
         let (b1, b2) = (m.geom_bodyid[g1], m.geom_bodyid[g2]);
-        let Figures {
-            dim,
-            solref,
-            solref_friction,
-            solimp,
-            includemargin,
-            ..
-        } = *figures;
+        let (solref, solimp, dim) = (figures.solref, figures.solimp, figures.dim);
+        let (solref_friction, includemargin) = (figures.solref_friction, figures.includemargin);
         let margin = includemargin + figures.gap;
         let columns = self.columns(m, b1, b2);
         // 4.0 has no constraint where no degree of freedom moves one body relative to the other
@@ -283,24 +272,18 @@ impl Figures {
     fn mixed(m: &CompiledModel, geoms: [usize; 2]) -> Self {
         // the order decides how the averages are rounded
         let [g1, g2] = by_type(m, geoms);
-        let Mixed {
-            dim,
-            friction: [slide, spin, roll],
-            solref,
-            solimp,
-        } = m.mixed(g1, g2);
+        let mixed = m.mixed(g1, g2);
+        let [slide, spin, roll] = mixed.friction;
         Self {
-            dim,
+            dim: mixed.dim,
             friction: [slide, slide, spin, roll, roll],
-            solref,
+            solref: mixed.solref,
             solref_friction: [0.0; 2],
-            solimp,
+            solimp: mixed.solimp,
             includemargin: m.geom_margin[g1] + m.geom_margin[g2],
             gap: m.geom_gap[g1] + m.geom_gap[g2],
             boxed: !m.opt.disables(Disable::MidPhase)
-                && [g1, g2]
-                    .iter()
-                    .any(|&g| m.body_geomnum[m.geom_bodyid[g]] != 1),
+                && [g1, g2].map(|g| m.body_geomnum[m.geom_bodyid[g]]) != [1; 2],
         }
     }
 }

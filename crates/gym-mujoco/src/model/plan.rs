@@ -140,12 +140,8 @@ impl Plan {
                 None => trees.push(i..i + 1),
             }
         }
-        let m_groups = match ways
-            .iter()
-            .map(|way| way.len().div_ceil(4))
-            .max()
-            .unwrap_or(1)
-        {
+        let most = ways.iter().map(|way| way.len().div_ceil(4)).max();
+        let m_groups = match most.unwrap_or(1) {
             few @ ..=4 => few,
             many => many.next_multiple_of(4),
         };
@@ -179,9 +175,8 @@ impl Plan {
         });
         let mut m_local = m_colind.clone();
         for (row, &tree) in m_rows.iter().zip(&m.dof_treeid) {
-            m_local[row.clone()]
-                .iter_mut()
-                .for_each(|j| *j -= trees[tree].start);
+            let local = m_local[row.clone()].iter_mut();
+            local.for_each(|j| *j -= trees[tree].start);
         }
         let mut plan = Self {
             depths: ways.iter().map(|way| way.len() - 1).collect(),
@@ -256,14 +251,12 @@ impl Plan {
         }
         plan.sites_read =
             paths || m.neq() > 0 || m.actuator_trntype.contains(&TransmissionType::Site);
-        plan.bounds = (0..m.nbody())
-            .map(|body| Tree::new(m, body, m.geoms_of(body)))
-            .collect();
+        let tree = |body: usize| Tree::new(m, body, m.geoms_of(body));
+        plan.bounds = (0..m.nbody()).map(tree).collect();
         plan.reaches = plan.pairs.iter().map(Reach::new).collect();
-        plan.limits = (0..m.njnt())
-            .filter(|&j| constraints && !off(Disable::Limit) && m.jnt_limited[j])
-            .map(|j| limit(m, j))
-            .collect();
+        let limits = constraints && !off(Disable::Limit);
+        let limited = (0..m.njnt()).filter(|&j| limits && m.jnt_limited[j]);
+        plan.limits = limited.map(|j| limit(m, j)).collect();
         plan.sizes = [
             m.nq(),
             m.nv(),
@@ -338,10 +331,8 @@ impl Plan {
 fn is_free(m: &CompiledModel, body: usize) -> bool {
     let mut joints = m.jnt_bodyid.iter().zip(&m.jnt_type);
     let free = joints.find(|(of, _)| **of == body).map(|(_, kind)| *kind);
-    let tree = m.body_dofadr[body]
-        .try_into()
-        .ok()
-        .map(|dof: usize| m.dof_treeid[dof]);
+    let dof = usize::try_from(m.body_dofadr[body]).ok();
+    let tree = dof.map(|dof| m.dof_treeid[dof]);
     let dofs = m.dof_treeid.iter().filter(|of| Some(**of) == tree).count();
     free == Some(JointType::Free) && dofs == 6 && m.body_subtreemass[body] == m.body_mass[body]
 }

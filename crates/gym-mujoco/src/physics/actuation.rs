@@ -1,10 +1,5 @@
 //! Actuator forces and activations.
 
-#![expect(
-    clippy::needless_range_loop,
-    reason = "indices are those of the formulas"
-)]
-
 use super::muscle;
 use crate::model::{BiasType, Disable, DynamicsType, GainType, JointType, TransmissionType};
 use crate::{Data, Model, libm};

@@ -170,10 +170,8 @@ impl Constraints {
         }
         for row in self.jac.chunks_exact_mut(self.stride) {
             let elements = &mut row.as_flattened_mut()[..nv];
-            elements
-                .iter_mut()
-                .zip(&mut jac)
-                .for_each(|(to, x)| *to = x);
+            let elements = elements.iter_mut().zip(&mut jac);
+            elements.for_each(|(to, x)| *to = x);
         }
     }
 
@@ -206,9 +204,8 @@ impl Constraints {
     #[must_use]
     pub fn full_jacobian(&self, nv: usize) -> Vec<f64> {
         let rows = self.jac.chunks(self.stride.max(1));
-        rows.flat_map(|row| &row.as_flattened()[..nv])
-            .copied()
-            .collect()
+        let elements = rows.flat_map(|row| &row.as_flattened()[..nv]);
+        elements.copied().collect()
     }
 }
 
@@ -274,14 +271,7 @@ fn limits(m: &Model, d: &mut Data) {
                 let groups = limit.dof / 4 + 1;
                 let row = push_block(efc, source, Kind::Limit, 1, groups, limit.tree);
                 set_row(efc, row, limit.dof, side);
-                push_rows(
-                    efc,
-                    &limit.softness,
-                    (dist, dist),
-                    limit.margin,
-                    limit.diag,
-                    1,
-                );
+                push_row(efc, (&limit.softness, limit.diag), dist, limit.margin);
             }
         }
     }
@@ -367,7 +357,7 @@ fn contacts(m: &Model, d: &mut Data) {
         );
         let (dist, margin) = (contact.dist, contact.includemargin);
         if rows == 1 {
-            push_rows(efc, &pair.softness, (dist, dist), margin, pair.diag, 1);
+            push_row(efc, (&pair.softness, pair.diag), dist, margin);
             continue;
         }
         let (diag, edge) = pyramid(pair.diag, mu);
@@ -408,6 +398,17 @@ pub(super) fn contact_jacobian<N: Number>(
     }
 }
 
+/// Sets the one row of a constraint at the position `pos`: see [`push_rows`].
+#[inline(always)]
+pub(super) fn push_row(
+    efc: &mut Constraints,
+    (softness, diag): (&Softness, f64),
+    pos: f64,
+    margin: f64,
+) {
+    push_rows(efc, softness, (pos, pos), margin, diag, 1);
+}
+
 /// Sets position, margin and impedance of the rows of one constraint, all equal: MuJoCo's
 /// `mj_makeImpedance`. The columns that later stages compute are left for the end.
 #[inline(always)]
@@ -431,10 +432,8 @@ pub(super) fn push_rows(
     ] {
         column.resize(rows, value);
     }
-    efc.kbip.resize(
-        rows,
-        [softness.stiffness, softness.damping, impedance, slope],
-    );
+    let kbip = [softness.stiffness, softness.damping, impedance, slope];
+    efc.kbip.resize(rows, kbip);
 }
 
 /// The regularisation of a row with impedance `impedance` and diagonal `diag`.
@@ -454,14 +453,8 @@ pub(super) fn pyramid(diag: f64, mu: f64) -> (f64, impl Fn(f64) -> f64) {
 impl Softness {
     /// The impedance at a constraint's position, and its derivative: MuJoCo's `getimpedance`.
     pub(super) fn impedance(&self, pos: f64, margin: f64) -> (f64, f64) {
-        let &Self {
-            dmin,
-            dmax,
-            width,
-            midpoint,
-            power,
-            ..
-        } = self;
+        let (dmin, dmax, width) = (self.dmin, self.dmax, self.width);
+        let (midpoint, power) = (self.midpoint, self.power);
         if dmin == dmax || width <= 1e-15 {
             return (0.5 * (dmin + dmax), 0.0);
         }
@@ -483,16 +476,12 @@ impl Softness {
             (x, 1.0)
         } else {
             let factor = 1.0 / self::power(end, power - 1.0);
-            (
-                factor * self::power(x, power),
-                power * factor * self::power(x, power - 1.0),
-            )
+            let slope = power * factor * self::power(x, power - 1.0);
+            (factor * self::power(x, power), slope)
         };
         let y = if turned { 1.0 - y } else { y };
-        (
-            dmin + y * (dmax - dmin),
-            signed.signum() * slope * (dmax - dmin) / width,
-        )
+        let slope = signed.signum() * slope * (dmax - dmin) / width;
+        (dmin + y * (dmax - dmin), slope)
     }
 }
 

@@ -55,11 +55,8 @@ pub(crate) fn dot(a: &[Lanes], b: &[Lanes], n: usize) -> f64 {
 pub(crate) fn dot_slices(a: &[f64], b: &[f64]) -> f64 {
     let ((a, a_rest), (b, b_rest)) = (a.as_chunks::<4>(), b.as_chunks::<4>());
     let sum = dot(a, b, 4 * a.len());
-    let rest = a_rest
-        .iter()
-        .zip(b_rest)
-        .map(|(a, b)| a * b)
-        .reduce(|sum, x| sum + x);
+    let products = a_rest.iter().zip(b_rest).map(|(a, b)| a * b);
+    let rest = products.reduce(|sum, x| sum + x);
     rest.map_or(sum, |rest| sum + rest)
 }
 

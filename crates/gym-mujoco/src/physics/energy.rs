@@ -1,6 +1,7 @@
 //! Potential and kinetic energy.
 
 use super::inertia::multiply;
+use super::passive::stretch;
 use super::spatial::{InTurn, Order, Pairwise, Vec3, dot, norm, sub};
 use crate::model::{Disable, JointType};
 use crate::physics::dense::dot_slices;
@@ -30,14 +31,7 @@ pub(super) fn potential(m: &Model, d: &Data) -> f64 {
     }
     if !m.opt.disables(Disable::Spring) {
         for t in 0..m.ntendon() {
-            let (length, [lower, upper]) = (d.ten_length[t], m.tendon_lengthspring[t]);
-            let x = if length > upper {
-                length - upper
-            } else if length < lower {
-                length - lower
-            } else {
-                0.0
-            };
+            let x = stretch(d.ten_length[t], m.tendon_lengthspring[t]);
             energy += spring(m.tendon_stiffness[t], x);
         }
     }

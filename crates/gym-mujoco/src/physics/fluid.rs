@@ -25,14 +25,8 @@ pub(super) fn ellipsoids(m: &Model, d: &Data, body: usize, out: &mut [f64]) {
         let v = sub(translation(&velocity), rotate_back(mat, m.opt.wind));
         let semiaxes = semiaxes(m.geom_type[g], m.geom_size[g]);
         let (mut torque, mut force) = added_mass(w, v, m.opt.density, fluid);
-        drag(
-            (w, v),
-            (m.opt.density, m.opt.viscosity),
-            semiaxes,
-            fluid,
-            m.revision,
-            (&mut torque, &mut force),
-        );
+        let (medium, sum) = ((m.opt.density, m.opt.viscosity), (&mut torque, &mut force));
+        drag((w, v), medium, semiaxes, fluid, m.revision, sum);
         let [torque, force] = [torque, force].map(|x| rotate(mat, scale(x, fluid.0[0])));
         apply(m, d, force, torque, (body, d.geom_xpos[g]), out);
     }
@@ -64,6 +58,13 @@ fn square(x: f64) -> f64 {
 
 fn fourth(x: f64) -> f64 {
     (x * x) * (x * x)
+}
+
+/// The largest semiaxis, and the one between it and the smallest.
+pub(super) fn largest_axes(size: Vec3) -> [f64; 2] {
+    let most = size[0].max(size[1]).max(size[2]);
+    let least = size[0].min(size[1]).min(size[2]);
+    [most, size[0] + size[1] + size[2] - most - least]
 }
 
 /// The greatest moment of an ellipsoid's surface about axis `k`: MuJoCo's `ellipsoid_max_moment`.
@@ -118,9 +119,7 @@ fn drag(
 ) {
     let [_, blunt, slender, angular, kutta, magnus, ..] = fluid.0;
     let volume = 4.0 / 3.0 * PI * size[0] * size[1] * size[2];
-    let most = size[0].max(size[1]).max(size[2]);
-    let least = size[0].min(size[1]).min(size[2]);
-    let middle = size[0] + size[1] + size[2] - most - least;
+    let [most, middle] = largest_axes(size);
     let area_most = PI * most * middle;
 
     let magnus = cross(w, v).map(|x| x * (magnus * density * volume));

@@ -3,7 +3,7 @@
 use std::array::from_fn;
 use std::f64::consts::PI;
 
-use super::fluid::{moment_of, semiaxes};
+use super::fluid::{largest_axes, moment_of, semiaxes};
 use super::implicit::Mat6;
 use super::jacobian::moves_at;
 use super::sensor::object_velocity;
@@ -153,12 +153,8 @@ fn of_ellipsoids(
         ] {
             let (by_momentum, by_other) = cross_slopes(momentum, other);
             put(&mut b, row, by, &by_other);
-            put(
-                &mut b,
-                row,
-                own,
-                &by_momentum.map(|row| times(row, factors)),
-            );
+            let by_own = by_momentum.map(|row| times(row, factors));
+            put(&mut b, row, own, &by_own);
         }
 
         if m.opt.integrator == Integrator::ImplicitFast && !m.plan().free_bodies.contains(&body) {
@@ -204,9 +200,7 @@ fn torque(
     size: Vec3,
     (slender, angular): (f64, f64),
 ) -> Square {
-    let most = size[0].max(size[1]).max(size[2]);
-    let least = size[0].min(size[1]).min(size[2]);
-    let middle = size[0] + size[1] + size[2] - most - least;
+    let [most, middle] = largest_axes(size);
     let diameter = 2.0 / 3.0 * (size[0] + size[1] + size[2]);
     let linear = viscosity * (PI * diameter * diameter * diameter);
     let moment_most = 8.0 / 15.0 * PI * middle * (most * most) * (most * most);
@@ -244,9 +238,7 @@ fn drag(
     size: Vec3,
     (blunt, slender): (f64, f64),
 ) -> Square {
-    let most = size[0].max(size[1]).max(size[2]);
-    let least = size[0].min(size[1]).min(size[2]);
-    let middle = size[0] + size[1] + size[2] - most - least;
+    let [most, middle] = largest_axes(size);
     let diameter = 2.0 / 3.0 * (size[0] + size[1] + size[2]);
     let area_most = PI * most * middle;
     let [a, b, c] = faces(size);

@@ -5,6 +5,7 @@ use super::dense::dot_sparse;
 use super::free::Free;
 use super::inertia::{factor_damped, solve as solve_m};
 use super::spatial::{Vec6, dot6, mul_inertia};
+use super::tendon::pulling;
 use super::velocity::joints;
 use super::{fluid_slopes, muscle};
 use crate::model::{BiasType, Disable, GainType, Integrator, JointType, TransmissionType};
@@ -218,11 +219,7 @@ fn saturated(m: &Model, d: &Data, i: usize) -> bool {
             force <= low || force >= high
         }
         TransmissionType::Tendon if m.tendon_actfrclimited[id] => {
-            let of = |k: &usize| {
-                m.actuator_trntype[*k] == TransmissionType::Tendon
-                    && m.actuator_trnid[*k][0] as usize == id
-            };
-            let forces = (0..m.nu()).filter(of).map(|k| d.actuator_force[k]);
+            let forces = pulling(m, id).map(|k| d.actuator_force[k]);
             let sum = forces.fold(0.0, |sum, force| sum + force);
             let [low, high] = m.tendon_actfrcrange[id];
             sum <= low + low.abs() * 1e-10 || sum >= high - high.abs() * 1e-10

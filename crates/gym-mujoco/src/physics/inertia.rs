@@ -5,11 +5,6 @@
 //! columns of an ancestor are then the first columns of a descendant, and factors `L' D L`, made
 //! from the last row on, fill in nothing.
 
-#![expect(
-    clippy::needless_range_loop,
-    reason = "indices are those of the formulas"
-)]
-
 use std::ops::Range;
 
 use super::dense::{self, Lanes, minus, plus, times};
@@ -90,14 +85,8 @@ pub(crate) fn crb_of<N: Number>(
     mut begin: impl FnMut(usize, &[N; 6], &mut [N::Cell]) -> bool,
 ) {
     let (n, nv, plan) = (m.nbody(), m.nv(), m.plan());
-    let Composite {
-        cinert,
-        cdof,
-        crb,
-        qm,
-    } = composite;
-    let (crb, parents) = (&mut crb[..n], &m.body_parentid[..n]);
-    crb.copy_from_slice(&cinert[..n]);
+    let (crb, parents) = (&mut composite.crb[..n], &m.body_parentid[..n]);
+    crb.copy_from_slice(&composite.cinert[..n]);
     for b in (1..n).rev() {
         let parent = parents[b];
         if parent > 0 {
@@ -108,7 +97,7 @@ pub(crate) fn crb_of<N: Number>(
             put(at, sum, &mut crb[parent]);
         }
     }
-    let cdof = &cdof[..nv];
+    let (cdof, qm) = (&composite.cdof[..nv], composite.qm);
     let (bodies, armatures) = (&m.dof_bodyid[..nv], &m.dof_armature[..nv]);
     for i in 0..nv {
         let places = plan.m_row(i);

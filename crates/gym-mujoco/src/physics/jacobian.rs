@@ -18,6 +18,18 @@ pub(super) fn moves_at(
     add(translation(axis), cross(rotation(axis), offset))
 }
 
+/// Returns the dot product of `moves` and `force`. The sum skips components of `force` that are
+/// zero.
+pub(super) fn sum_along(moves: Vec3, force: Vec3) -> f64 {
+    let mut sum = 0.0;
+    for k in 0..3 {
+        if force[k] != 0.0 {
+            sum += moves[k] * force[k];
+        }
+    }
+    sum
+}
+
 /// Adds a force and a torque at a point of a body to the joint forces: MuJoCo's `mj_applyFT`.
 pub(super) fn apply(
     m: &Model,
@@ -27,21 +39,10 @@ pub(super) fn apply(
     (body, point): (usize, Vec3),
     out: &mut [f64],
 ) {
-    let sum = |moves: Vec3, along: Vec3| {
-        let mut sum = 0.0;
-        for k in 0..3 {
-            if along[k] != 0.0 {
-                sum += moves[k] * along[k];
-            }
-        }
-        sum
-    };
     for &dof in m.plan().chain(body) {
-        out[dof] += sum(
-            moves_at(m, &d.cdof, &d.subtree_com, dof, body, point),
-            force,
-        );
-        out[dof] += sum(rotation(&d.cdof[dof]), torque);
+        let moves = moves_at(m, &d.cdof, &d.subtree_com, dof, body, point);
+        out[dof] += sum_along(moves, force);
+        out[dof] += sum_along(rotation(&d.cdof[dof]), torque);
     }
 }
 

@@ -162,12 +162,8 @@ fn in_order<N: Number, O: Order>(
         put(at, pos, &mut xpos[b]);
         put(at, quat, &mut xquat[b]);
         put(at, mat, &mut xmat[b]);
-        local_to_global::<N, O>(
-            at,
-            (&xpos[b], &xquat[b], &xmat[b]),
-            &body.inertia,
-            (&mut xipos[b], &mut ximat[b]),
-        );
+        let frame = (&xpos[b], &xquat[b], &xmat[b]);
+        local_to_global::<N, O>(at, frame, &body.inertia, (&mut xipos[b], &mut ximat[b]));
     }
     let n = m.ngeom();
     let (bodies, poses) = (&m.geom_bodyid[..n], &plan.geoms[..n]);
@@ -180,12 +176,10 @@ fn in_order<N: Number, O: Order>(
         let b = bodies[g];
         match &poses[g] {
             None => (geom_xpos[g], geom_xmat[g]) = (xipos[b], ximat[b]),
-            Some(pose) => local_to_global::<N, O>(
-                at,
-                (&xpos[b], &xquat[b], &xmat[b]),
-                pose,
-                (&mut geom_xpos[g], &mut geom_xmat[g]),
-            ),
+            Some(pose) => {
+                let to = (&mut geom_xpos[g], &mut geom_xmat[g]);
+                local_to_global::<N, O>(at, (&xpos[b], &xquat[b], &xmat[b]), pose, to);
+            }
         }
     }
     if !(whole || plan.sites_read) {
@@ -193,12 +187,8 @@ fn in_order<N: Number, O: Order>(
     }
     for (s, pose) in plan.sites.iter().enumerate() {
         let b = m.site_bodyid[s];
-        local_to_global::<N, O>(
-            at,
-            (&xpos[b], &xquat[b], &xmat[b]),
-            pose,
-            (&mut f.site_xpos[s], &mut f.site_xmat[s]),
-        );
+        let to = (&mut f.site_xpos[s], &mut f.site_xmat[s]);
+        local_to_global::<N, O>(at, (&xpos[b], &xquat[b], &xmat[b]), pose, to);
     }
 }
 

@@ -42,6 +42,11 @@
 //! # Ok::<(), gym_mujoco::Error>(())
 //! ```
 
+#![expect(
+    clippy::needless_range_loop,
+    reason = "indices are those of the formulas"
+)]
+
 mod actuation;
 mod bias;
 mod collision;

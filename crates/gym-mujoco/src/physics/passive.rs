@@ -109,16 +109,18 @@ fn elastic_tendons(m: &Model, d: &mut Data) {
     }
 }
 
-/// The force of a tendon's spring at a length. There is none between the lengths `rest`.
-pub(super) fn tendon_spring_force(length: f64, [lower, upper]: [f64; 2], stiffness: f64) -> f64 {
-    let stretch = if length > upper {
-        length - upper
-    } else if length < lower {
-        length - lower
-    } else {
-        0.0
-    };
-    -stretch * stiffness
+/// The force of a tendon's spring at a length. There is none between the lengths `slack`.
+pub(super) fn tendon_spring_force(length: f64, slack: [f64; 2], stiffness: f64) -> f64 {
+    -stretch(length, slack) * stiffness
+}
+
+/// The difference of a length from the range in which a spring is slack.
+pub(super) fn stretch(length: f64, [lower, upper]: [f64; 2]) -> f64 {
+    match length {
+        _ if length > upper => length - upper,
+        _ if length < lower => length - lower,
+        _ => 0.0,
+    }
 }
 
 /// Adds gravity compensation, except for joints whose actuators apply it: MuJoCo's `mj_gravcomp`.
@@ -182,24 +184,14 @@ pub(in crate::physics) fn box_in_medium<N: Number>(
     (b, edges): (usize, [f64; 3]),
     medium: Medium<'_, N::Cell>,
 ) {
-    let Medium {
-        xipos,
-        ximat,
-        subtree_com,
-        cvel,
-        cdof,
-        fluid,
-    } = medium;
-    let (density, viscosity) = (m.opt.density, m.opt.viscosity);
-    let mat = &get::<N, 9>(at, &ximat[b]);
-    let com = &subtree_com[m.body_rootid[b]];
-    let offset = sub(get::<N, 3>(at, &xipos[b]), get(at, com));
-    let velocity = get::<N, 6>(at, &cvel[b]);
+    let (density, viscosity, fluid) = (m.opt.density, m.opt.viscosity, medium.fluid);
+    let mat = &get::<N, 9>(at, &medium.ximat[b]);
+    let com = &medium.subtree_com[m.body_rootid[b]];
+    let offset = sub(get::<N, 3>(at, &medium.xipos[b]), get(at, com));
+    let velocity = get::<N, 6>(at, &medium.cvel[b]);
     let w = rotate_back(mat, rotation(&velocity));
-    let v = sub(
-        rotate_back(mat, velocity_at(&velocity, offset)),
-        rotate_back(mat, m.opt.wind),
-    );
+    let v = rotate_back(mat, velocity_at(&velocity, offset));
+    let v = sub(v, rotate_back(mat, m.opt.wind));
 
     let (mut torque, mut force) = (of::<N, 3>(at, [0.0; 3]), of::<N, 3>(at, [0.0; 3]));
     if viscosity > 0.0 {
@@ -217,7 +209,7 @@ pub(in crate::physics) fn box_in_medium<N: Number>(
     }
     let (torque, force) = (rotate(mat, torque), rotate(mat, force));
     for &dof in m.plan().chain(b) {
-        let axis = get::<N, 6>(at, &cdof[dof]);
+        let axis = get::<N, 6>(at, &medium.cdof[dof]);
         let moves = add(translation(&axis), cross(rotation(&axis), offset));
         let sum = N::get(at, &fluid[dof]) + dot(moves, force);
         (sum + dot(rotation(&axis), torque)).put(at, &mut fluid[dof]);

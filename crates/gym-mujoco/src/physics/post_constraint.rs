@@ -7,9 +7,9 @@ use super::rows;
 use super::spatial::{
     Vec3, add_to, cross, cross_force, join, mul_inertia, rotate_back, scale, sub,
 };
-use super::tendon::along_path;
+use super::tendon::{along_path, pulling};
 use super::velocity::{along, dofs};
-use crate::model::{EqualityType, TransmissionType};
+use crate::model::EqualityType;
 use crate::{Contact, Data, Model, Revision};
 
 /// Computes `cfrc_ext` from the contacts of the last forward call, then `cacc` and `cfrc_int`:
@@ -160,12 +160,8 @@ fn tension(m: &Model, d: &Data, tendon: usize) -> f64 {
             sum -= side * limits.next().unwrap_or(0.0);
         }
     }
-    for i in 0..m.nu() {
-        if m.actuator_trntype[i] == TransmissionType::Tendon
-            && m.actuator_trnid[i][0] as usize == tendon
-        {
-            sum += m.actuator_gear[i][0] * d.actuator_force[i];
-        }
+    for i in pulling(m, tendon) {
+        sum += m.actuator_gear[i][0] * d.actuator_force[i];
     }
     let elastic = &m.plan().paths.elastic;
     match elastic.iter().find(|(id, ..)| *id == tendon) {

@@ -50,22 +50,10 @@ pub(crate) fn ray_shape(
     let [r, half, _] = size;
     match shape {
         GeomType::Sphere => sphere(sub(point, pos), along, r * r),
-        GeomType::Plane => {
-            let (p, v) = local();
-            plane(size, p, v)
-        }
-        GeomType::Capsule if near((r + half) * (r + half)) => {
-            let (p, v) = local();
-            capsule(size, p, v)
-        }
-        GeomType::Cylinder if near(r * r + half * half) => {
-            let (p, v) = local();
-            cylinder(size, p, v)
-        }
-        GeomType::Box if near(dot(size, size)) => {
-            let (p, v) = local();
-            cuboid(size, p, v)
-        }
+        GeomType::Plane => plane(size, local()),
+        GeomType::Capsule if near((r + half) * (r + half)) => capsule(size, local()),
+        GeomType::Cylinder if near(r * r + half * half) => cylinder(size, local()),
+        GeomType::Box if near(dot(size, size)) => cuboid(size, local()),
         GeomType::Ellipsoid => {
             let (p, v) = local();
             let s = size.map(|x| 1.0 / (x * x));
@@ -109,7 +97,7 @@ fn sphere(from: Vec3, v: Vec3, square: f64) -> f64 {
     least(quadratic(a, b, c))
 }
 
-fn plane(size: Vec3, p: Vec3, v: Vec3) -> f64 {
+fn plane(size: Vec3, (p, v): (Vec3, Vec3)) -> f64 {
     if v[2] > -MINVAL {
         return -1.0;
     }
@@ -135,7 +123,7 @@ fn side([r, half, _]: Vec3, p: Vec3, v: Vec3) -> f64 {
     }
 }
 
-fn capsule(size: Vec3, p: Vec3, v: Vec3) -> f64 {
+fn capsule(size: Vec3, (p, v): (Vec3, Vec3)) -> f64 {
     let [r, half, _] = size;
     let mut x = side(size, p, v);
     for end in [half, -half] {
@@ -152,7 +140,7 @@ fn capsule(size: Vec3, p: Vec3, v: Vec3) -> f64 {
     x
 }
 
-fn cylinder(size: Vec3, p: Vec3, v: Vec3) -> f64 {
+fn cylinder(size: Vec3, (p, v): (Vec3, Vec3)) -> f64 {
     let [r, half, _] = size;
     let mut x = -1.0;
     if v[2].abs() > MINVAL {
@@ -168,7 +156,7 @@ fn cylinder(size: Vec3, p: Vec3, v: Vec3) -> f64 {
     if round >= 0.0 { nearer(x, round) } else { x }
 }
 
-fn cuboid(size: Vec3, p: Vec3, v: Vec3) -> f64 {
+fn cuboid(size: Vec3, (p, v): (Vec3, Vec3)) -> f64 {
     let mut x = -1.0;
     for (i, [j, k]) in [[1, 2], [0, 2], [0, 1]].into_iter().enumerate() {
         if v[i].abs() <= MINVAL {

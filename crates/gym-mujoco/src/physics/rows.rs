@@ -2,12 +2,7 @@
 //! with torsional or rolling friction or elliptic cones. [`constraint`](super::constraint) has the
 //! others.
 
-#![expect(
-    clippy::needless_range_loop,
-    reason = "indices are those of the formulas"
-)]
-
-use super::constraint::{Constraints, Kind, Source, push_block, push_rows, set_row};
+use super::constraint::{Constraints, Kind, Source, push_block, push_row, push_rows, set_row};
 use super::dense::dot_slices;
 use super::jacobian::moves_at;
 use super::spatial::{
@@ -105,27 +100,17 @@ fn bodies<O: Order>(m: &Model, d: &mut Data, constraint: &Equality) {
     let Some(&last) = last else { return };
     let efc = &mut d.efc;
     let tree = m.dof_treeid[*chain1.last().or(chain2.last()).unwrap_or(&last)];
-    let row = push_block(
-        efc,
-        Source::Equality(constraint.id),
-        Kind::Equality,
-        rows,
-        last / 4 + 1,
-        tree,
-    );
+    let source = Source::Equality(constraint.id);
+    let row = push_block(efc, source, Kind::Equality, rows, last / 4 + 1, tree);
     for dof in 0..=last {
         let (first, second) = (chain1.contains(&dof), chain2.contains(&dof));
         if !first && !second {
             continue;
         }
-        let at = |moved: bool, body: usize, point: Vec3| {
-            if moved {
-                moves_at(m, &d.cdof, &d.subtree_com, dof, body, point)
-            } else {
-                [0.0; 3]
-            }
-        };
-        let shift = sub(at(first, b1, points[0]), at(second, b2, points[1]));
+        let at = |body: usize, point: Vec3| moves_at(m, &d.cdof, &d.subtree_com, dof, body, point);
+        let ends = [(first, b1, points[0]), (second, b2, points[1])];
+        let [shift1, shift2] = ends.map(|(moved, b, p)| if moved { at(b, p) } else { [0.0; 3] });
+        let shift = sub(shift1, shift2);
         for (k, shift) in shift.into_iter().enumerate() {
             set_row(efc, row + k, dof, shift);
         }
@@ -203,18 +188,10 @@ pub(super) fn polynomial_error(m: &Model, d: &Data, constraint: &Equality) -> [f
 fn polynomial(m: &Model, d: &mut Data, constraint: &Equality) {
     let joint = constraint.kind == EqualityType::Joint;
     let [pos, slope] = polynomial_error(m, d, constraint);
-    let (first, second) = (
-        m.eq_obj1id[constraint.id] as usize,
-        usize::try_from(m.eq_obj2id[constraint.id]).ok(),
-    );
-    let objects = [Some(first), second];
-    let Some(row) = push_scalar(
-        m,
-        d,
-        joint,
-        &objects,
-        (Source::Equality(constraint.id), Kind::Equality),
-    ) else {
+    let ids = [m.eq_obj1id[constraint.id], m.eq_obj2id[constraint.id]];
+    let objects = ids.map(|id| usize::try_from(id).ok());
+    let source = (Source::Equality(constraint.id), Kind::Equality);
+    let Some(row) = push_scalar(m, d, joint, &objects, source) else {
         return;
     };
     for (object, factor) in objects.into_iter().zip([1.0, slope]) {
@@ -223,8 +200,7 @@ fn polynomial(m: &Model, d: &mut Data, constraint: &Equality) {
             add_row(&mut d.efc, row, m.jnt_dofadr[object], factor);
         } else {
             let paths = &m.plan().paths;
-            let elements = paths.rows[object].clone();
-            for e in elements {
+            for e in paths.rows[object].clone() {
                 add_row(&mut d.efc, row, paths.columns[e], d.ten_j[e] * factor);
             }
         }
@@ -232,14 +208,8 @@ fn polynomial(m: &Model, d: &mut Data, constraint: &Equality) {
     if drop_zeros(&mut d.efc, row) {
         return;
     }
-    push_rows(
-        &mut d.efc,
-        &constraint.softness,
-        (pos, pos),
-        0.0,
-        constraint.diag[0],
-        1,
-    );
+    let stiff = (&constraint.softness, constraint.diag[0]);
+    push_row(&mut d.efc, stiff, pos, 0.0);
 }
 
 fn add_row(efc: &mut Constraints, row: usize, dof: usize, value: f64) {
@@ -259,27 +229,18 @@ fn push_scalar(
     let paths = &m.plan().paths;
     let (mut last, mut tree) = (None, None);
     for object in objects.iter().flatten() {
-        let moved = |dof: usize| (Some(dof), Some(m.dof_treeid[dof]));
+        let mut moves = |dof: usize| {
+            (last, tree) = (last.max(Some(dof)), tree.or(Some(m.dof_treeid[dof])));
+        };
         if joint {
-            let (dof, of) = moved(m.jnt_dofadr[*object]);
-            (last, tree) = (last.max(dof), tree.or(of));
+            moves(m.jnt_dofadr[*object]);
         } else {
-            for e in paths.rows[*object].clone() {
-                if d.ten_j[e] != 0.0 {
-                    let (dof, of) = moved(paths.columns[e]);
-                    (last, tree) = (last.max(dof), tree.or(of));
-                }
-            }
+            let moved = paths.rows[*object].clone().filter(|&e| d.ten_j[e] != 0.0);
+            moved.for_each(|e| moves(paths.columns[e]));
         }
     }
-    Some(push_block(
-        &mut d.efc,
-        source,
-        kind,
-        1,
-        last? / 4 + 1,
-        tree?,
-    ))
+    let groups = last? / 4 + 1;
+    Some(push_block(&mut d.efc, source, kind, 1, groups, tree?))
 }
 
 /// Adds rows of dry friction: MuJoCo's `mj_instantiateFriction`.
@@ -304,14 +265,7 @@ pub(super) fn friction(m: &Model, d: &mut Data) {
 
 fn push_friction(d: &mut Data, constraint: &Scalar) {
     let efc = &mut d.efc;
-    push_rows(
-        efc,
-        &constraint.softness,
-        (0.0, 0.0),
-        0.0,
-        constraint.diag,
-        1,
-    );
+    push_row(efc, (&constraint.softness, constraint.diag), 0.0, 0.0);
     let row = efc.nefc() - 1;
     efc.kbip[row][0] = 0.0;
     efc.loss.resize(row + 1, 0.0);
@@ -346,14 +300,7 @@ pub(super) fn ball_limit(m: &Model, d: &mut Data, limit: &Limit) {
     for (k, x) in scale(axis, -1.0).into_iter().enumerate() {
         set_row(efc, row, limit.dof + k, x);
     }
-    push_rows(
-        efc,
-        &limit.softness,
-        (dist, dist),
-        limit.margin,
-        limit.diag,
-        1,
-    );
+    push_row(efc, (&limit.softness, limit.diag), dist, limit.margin);
 }
 
 /// Adds the rows of active tendon limits.
@@ -369,14 +316,8 @@ pub(super) fn tendon_limits(m: &Model, d: &mut Data) {
             let source = (Source::TendonLimit(t), Kind::Limit);
             if let Some(row) = push_scalar(m, d, false, &[Some(t)], source) {
                 tendon_row(m, d, row, t, -side);
-                push_rows(
-                    &mut d.efc,
-                    &constraint.softness,
-                    (dist, dist),
-                    margin,
-                    constraint.diag,
-                    1,
-                );
+                let stiff = (&constraint.softness, constraint.diag);
+                push_row(&mut d.efc, stiff, dist, margin);
             }
         }
     }

@@ -5,10 +5,12 @@ use super::energy::{computed, kinetic, potential};
 use super::post_constraint::rne_post_constraint;
 use super::ray::{ray, ray_shape};
 use super::spatial::{
-    InTurn, MINVAL, Mat3, Order, Pairwise, Quat, Vec3, Vec6, add, column, cross, normalize, rotate,
-    rotate_back, rotation, scale, sub, transform_force, transform_motion, translation,
+    InTurn, MINVAL, Mat3, Order, Pairwise, Quat, Vec3, Vec6, add, column, cross, join, normalize,
+    rotate, rotate_back, rotate_back6, rotation, scale, sub, transform_force, transform_motion,
+    translation,
 };
-use crate::model::{Disable, ObjectType, SensorType, Stage, TransmissionType};
+use super::tendon::pulling;
+use crate::model::{Disable, ObjectType, SensorType, Stage};
 use crate::physics::constraint::Source;
 use crate::{Contact, Data, Model, Revision};
 
@@ -176,14 +178,8 @@ fn of_velocity(m: &Model, d: &mut Data, i: usize) -> Quat {
     let ((kind, id), reference) = objects(m, i);
     let limit = |source| one(limit_row(d, source).map_or(0.0, |row| d.efc.vel[row]));
     match m.sensor_type[i] {
-        SensorType::Velocimeter => three(translation(&object_velocity(
-            m,
-            d,
-            ObjectType::Site,
-            id,
-            true,
-        ))),
-        SensorType::Gyro => three(rotation(&object_velocity(m, d, ObjectType::Site, id, true))),
+        SensorType::Velocimeter => three(translation(&object_velocity(m, d, kind, id, true))),
+        SensorType::Gyro => three(rotation(&object_velocity(m, d, kind, id, true))),
         SensorType::JointVel => one(d.qvel[m.jnt_dofadr[id]]),
         SensorType::TendonVel => one(d.ten_velocity[id]),
         SensorType::ActuatorVel => one(d.actuator_velocity[id]),
@@ -202,10 +198,7 @@ fn of_velocity(m: &Model, d: &mut Data, i: usize) -> Quat {
                 let apart: Vec6 = std::array::from_fn(|k| velocity[k] - other[k]);
                 let turning = cross(sub(pos, origin), rotation(&other));
                 let moving = add(translation(&apart), turning);
-                velocity = super::spatial::join(
-                    rotate_back(&axes, rotation(&apart)),
-                    rotate_back(&axes, moving),
-                );
+                velocity = rotate_back6(&axes, &join(rotation(&apart), moving));
             }
             three(if linear == SensorType::FrameLinVel {
                 translation(&velocity)
@@ -227,33 +220,18 @@ fn of_acceleration(m: &Model, d: &Data, i: usize) -> Quat {
         let body = m.site_bodyid[site];
         let com = d.subtree_com[m.body_rootid[body]];
         let force = transform_force(&d.cfrc_int[body], d.site_xpos[site], com);
-        let mat = &d.site_xmat[site];
-        (
-            rotate_back(mat, rotation(&force)),
-            rotate_back(mat, translation(&force)),
-        )
+        rotate_back6(&d.site_xmat[site], &force)
     };
     let limit = |source| one(limit_row(d, source).map_or(0.0, |row| d.efc.force[row]));
     match m.sensor_type[i] {
         SensorType::Touch => one(touch(m, d, id)),
-        SensorType::Accelerometer => three(translation(&object_acceleration(
-            m,
-            d,
-            ObjectType::Site,
-            id,
-            true,
-        ))),
-        SensorType::Force => three(between(id).1),
-        SensorType::Torque => three(between(id).0),
+        SensorType::Accelerometer => three(translation(&object_acceleration(m, d, kind, id, true))),
+        SensorType::Force => three(translation(&between(id))),
+        SensorType::Torque => three(rotation(&between(id))),
         SensorType::ActuatorFrc => one(d.actuator_force[id]),
         SensorType::JointActFrc => one(d.qfrc_actuator[m.jnt_dofadr[id]]),
         SensorType::TendonActFrc => {
-            let pulls = |i: &usize| {
-                m.actuator_trntype[*i] == TransmissionType::Tendon
-                    && m.actuator_trnid[*i][0] as usize == id
-            };
-            let pulling = (0..m.nu()).filter(pulls);
-            one(pulling.fold(0.0, |sum, i| sum + d.actuator_force[i]))
+            one(pulling(m, id).fold(0.0, |sum, i| sum + d.actuator_force[i]))
         }
         SensorType::JointLimitFrc => limit(Source::Limit(id)),
         SensorType::TendonLimitFrc => limit(Source::TendonLimit(id)),
@@ -332,10 +310,7 @@ fn of_object(
     let com = d.subtree_com[m.body_rootid[body]];
     let motion = transform_motion(&motions[body], pos, com);
     if own_axes {
-        super::spatial::join(
-            rotate_back(&mat, rotation(&motion)),
-            rotate_back(&mat, translation(&motion)),
-        )
+        rotate_back6(&mat, &motion)
     } else {
         motion
     }
@@ -350,10 +325,8 @@ fn object_acceleration(m: &Model, d: &Data, kind: ObjectType, id: usize, own_axe
     let acceleration = of_object(m, d, &d.cacc, (kind, id), own_axes);
     let velocity = of_object(m, d, &d.cvel, (kind, id), own_axes);
     let turning = cross(rotation(&velocity), translation(&velocity));
-    super::spatial::join(
-        rotation(&acceleration),
-        add(translation(&acceleration), turning),
-    )
+    let moving = add(translation(&acceleration), turning);
+    join(rotation(&acceleration), moving)
 }
 
 /// Computes `subtree_linvel` and `subtree_angmom`: MuJoCo's `mj_subtreeVel`.

@@ -307,14 +307,14 @@ pub(crate) fn translation<N: Number>(v: &[N; 6]) -> [N; 3] {
 
 #[inline(always)]
 pub(crate) fn join<N: Number>(rotation: [N; 3], translation: [N; 3]) -> [N; 6] {
-    [
-        rotation[0],
-        rotation[1],
-        rotation[2],
-        translation[0],
-        translation[1],
-        translation[2],
-    ]
+    let ([a, b, c], [x, y, z]) = (rotation, translation);
+    [a, b, c, x, y, z]
+}
+
+/// Both parts of a vector in the axes of `m`.
+#[inline(always)]
+pub(crate) fn rotate_back6<N: Number>(m: &[N; 9], v: &[N; 6]) -> [N; 6] {
+    join(rotate_back(m, rotation(v)), rotate_back(m, translation(v)))
 }
 
 /// The product of two vectors, in the order of [`dense::dot`](super::dense::dot).

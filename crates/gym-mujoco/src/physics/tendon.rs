@@ -1,10 +1,10 @@
 //! Lengths, Jacobians and velocities of tendons.
 
 use super::dense::dot_sparse;
-use super::jacobian::moves_at;
+use super::jacobian::{moves_at, sum_along};
 use super::spatial::{Vec3, norm, normalize, sub};
 use super::wrap::{Obstacle, wrap};
-use crate::model::WrapType;
+use crate::model::{TransmissionType, WrapType};
 use crate::{Data, Model};
 
 /// Computes lengths and Jacobians of the tendons: MuJoCo's `mj_tendon`.
@@ -146,6 +146,14 @@ pub(super) fn along_path(
     length
 }
 
+/// The actuators that pull a tendon.
+pub(super) fn pulling(m: &Model, tendon: usize) -> impl Iterator<Item = usize> {
+    (0..m.nu()).filter(move |&i| {
+        m.actuator_trntype[i] == TransmissionType::Tendon
+            && m.actuator_trnid[i][0] as usize == tendon
+    })
+}
+
 fn distance(a: Vec3, b: Vec3) -> f64 {
     norm(sub(a, b))
 }
@@ -162,20 +170,10 @@ fn straight(m: &Model, d: &mut Data, t: usize, segment: &Segment) {
         if !first && !second {
             continue;
         }
-        let at = |moved: bool, body: usize, point: Vec3| {
-            if moved {
-                moves_at(m, &d.cdof, &d.subtree_com, dof, body, point)
-            } else {
-                [0.0; 3]
-            }
-        };
-        let apart = sub(at(second, b2, p2), at(first, b1, p1));
-        let mut along = 0.0;
-        for k in 0..3 {
-            if direction[k] != 0.0 {
-                along += apart[k] * direction[k];
-            }
-        }
+        let at = |body: usize, point: Vec3| moves_at(m, &d.cdof, &d.subtree_com, dof, body, point);
+        let ends = [(second, b2, p2), (first, b1, p1)];
+        let [end, start] = ends.map(|(moved, b, p)| if moved { at(b, p) } else { [0.0; 3] });
+        let along = sum_along(sub(end, start), direction);
         *value += 1.0 / segment.divisor * along;
     }
 }

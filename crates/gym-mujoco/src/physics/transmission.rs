@@ -1,14 +1,9 @@
 //! Lengths and moment arms of actuators.
 
-#![expect(
-    clippy::needless_range_loop,
-    reason = "indices are those of the formulas"
-)]
-
 use std::ops::Range;
 
 use super::dense::dot_sparse;
-use super::jacobian::moves_at;
+use super::jacobian::{moves_at, sum_along};
 use super::spatial::{
     InTurn, Order, Pairwise, Quat, Vec3, dot, quat_to_velocity, rotate, rotate_back, rotate_quat,
     rotation, sub,
@@ -85,16 +80,9 @@ pub fn transmission_velocity(m: &Model, d: &mut Data) {
 fn length<O: Order>(m: &Model, d: &Data, i: usize, moments: &mut Moments) -> f64 {
     let [id, reference] = m.actuator_trnid[i];
     let (id, gear) = (id as usize, m.actuator_gear[i]);
-    let kind = m.actuator_trntype[i];
-    match kind {
-        TransmissionType::Joint | TransmissionType::JointInParent => joint::<O>(
-            m,
-            d,
-            id,
-            &gear,
-            kind == TransmissionType::JointInParent,
-            moments,
-        ),
+    match m.actuator_trntype[i] {
+        TransmissionType::Joint => joint::<O>(m, d, id, &gear, false, moments),
+        TransmissionType::JointInParent => joint::<O>(m, d, id, &gear, true, moments),
         TransmissionType::Tendon => {
             let paths = &m.plan().paths;
             let row = paths.rows[id].clone();
@@ -152,32 +140,13 @@ fn joint<O: Order>(
             dot(quat_to_velocity(quat), axis)
         }
         JointType::Free => {
-            let axis = if in_parent {
-                turned(second, quat(p + 3))
-            } else {
-                second
-            };
-            for k in 0..3 {
-                moments.push(v + k, first[k]);
-            }
-            for k in 0..3 {
-                moments.push(v + 3 + k, axis[k]);
+            let axis = turned(second, quat(p + 3));
+            for (k, x) in first.into_iter().chain(axis).enumerate() {
+                moments.push(v + k, x);
             }
             0.0
         }
     }
-}
-
-/// Returns the dot product of `moves` and `force`. The sum skips components of `force` that are
-/// zero.
-fn along(moves: Vec3, force: Vec3) -> f64 {
-    let mut sum = 0.0;
-    for k in 0..3 {
-        if force[k] != 0.0 {
-            sum += moves[k] * force[k];
-        }
-    }
-    sum
 }
 
 fn push_nonzero(moments: &mut Moments, dof: usize, value: f64) {
@@ -191,7 +160,7 @@ fn at_site(m: &Model, d: &Data, site: usize, force: Vec3, torque: Vec3, moments:
     let (body, point) = (m.site_bodyid[site], d.site_xpos[site]);
     for &dof in m.plan().chain(body) {
         let moves = moves_at(m, &d.cdof, &d.subtree_com, dof, body, point);
-        let value = along(moves, force) + along(rotation(&d.cdof[dof]), torque);
+        let value = sum_along(moves, force) + sum_along(rotation(&d.cdof[dof]), torque);
         push_nonzero(moments, dof, value);
     }
 }
@@ -240,17 +209,15 @@ fn between_sites<O: Order>(
             (moves(0, site), rotation(&d.cdof[dof]))
         } else {
             let negative = |v: Vec3| sub([0.0; 3], v);
-            (
-                negative(moves(1, reference)),
-                negative(rotation(&d.cdof[dof])),
-            )
+            let spin = negative(rotation(&d.cdof[dof]));
+            (negative(moves(1, reference)), spin)
         };
         let mut value = 0.0;
         if used(push) {
-            value = along(shift, force);
+            value = sum_along(shift, force);
         }
         if used(turn) {
-            value += along(spin, torque);
+            value += sum_along(spin, torque);
         }
         push_nonzero(moments, dof, value);
     }

@@ -31,14 +31,9 @@ pub fn com_vel(m: &Model, d: &mut Data) {
 /// [`com_vel`] for one world or several.
 #[inline(always)]
 pub(crate) fn com_vel_of<N: Number>(m: &Model, at: N::Place, motion: Motion<'_, N::Cell>) {
-    let Motion {
-        qvel,
-        cdof,
-        cvel,
-        cdof_dot,
-    } = motion;
     let plan = m.plan();
-    let cvel = &mut cvel[..plan.bodies.len()];
+    let (qvel, cdof, cdof_dot) = (motion.qvel, motion.cdof, motion.cdof_dot);
+    let cvel = &mut motion.cvel[..plan.bodies.len()];
     for (b, body) in plan.bodies.iter().enumerate().skip(1) {
         let mut vel = get::<N, 6>(at, &cvel[body.parent]);
         for joint in &plan.joints[body.joints.clone()] {
@@ -124,22 +119,12 @@ pub fn rne(m: &Model, d: &mut Data) {
 /// [`rne`] for one world or several.
 #[inline(always)]
 pub(crate) fn rne_of<N: Number>(m: &Model, at: N::Place, bias: Bias<'_, N::Cell>) {
-    let Bias {
-        qvel,
-        cinert,
-        cdof,
-        cvel,
-        cdof_dot,
-        acc,
-        force,
-        qfrc_bias,
-    } = bias;
     // slices of equal length let the compiler check an index once for all of them
     let (n, nv) = (m.nbody(), m.nv());
-    let (acc, force) = (&mut acc[..n], &mut force[..n]);
+    let (acc, force) = (&mut bias.acc[..n], &mut bias.force[..n]);
     let bodies = &m.plan().bodies[..n];
-    let (cinert, cvel) = (&cinert[..n], &cvel[..n]);
-    let (cdof_dot, qvel) = (&cdof_dot[..nv], &qvel[..nv]);
+    let (cinert, cvel) = (&bias.cinert[..n], &bias.cvel[..n]);
+    let (cdof_dot, qvel) = (&bias.cdof_dot[..nv], &bias.qvel[..nv]);
     let [x, y, z] = m.plan().gravity;
     let falling = number::of::<N, 6>(at, [0.0, 0.0, 0.0, -x, -y, -z]);
     put(at, falling, &mut acc[0]);
@@ -165,7 +150,9 @@ pub(crate) fn rne_of<N: Number>(m: &Model, at: N::Place, bias: Bias<'_, N::Cell>
         add_to(&mut sum, &get::<N, 6>(at, &force[b]), 1.0);
         put(at, sum, &mut force[bodies[b].parent]);
     }
-    for ((out, axis), &b) in qfrc_bias.iter_mut().zip(cdof).zip(&m.dof_bodyid) {
+    let qfrc_bias = bias.qfrc_bias;
+    let axes = qfrc_bias.iter_mut().zip(bias.cdof);
+    for ((out, axis), &b) in axes.zip(&m.dof_bodyid) {
         dot6(&get::<N, 6>(at, axis), &get(at, &force[b])).put(at, out);
     }
 }

@@ -109,11 +109,7 @@ impl Work {
             tendon_sums: vec![0.0; m.ntendon()],
             act_sum: vec![0.0; m.na()],
             act_start: vec![0.0; m.na()],
-            polytope: if m.plan().deep {
-                Polytope::new()
-            } else {
-                Polytope::default()
-            },
+            polytope: Polytope::new(m.plan().deep),
             qh: vec![0.0; m.plan().m_colind.len()],
             qh_diag_inv: vec![0.0; nv],
             acc_sum: vec![0.0; nv],

@@ -41,10 +41,7 @@ pub(super) fn wrap(
     let ends = [flat(p0), flat(p1)];
     let side = geom.side.map(local);
     let around = match side {
-        Some(side) if norm(side) < geom.radius => match revision {
-            Revision::V3_12 => inside(ends, geom.radius)?,
-            Revision::V4_0 => inside_4_0(ends, geom.radius)?,
-        },
+        Some(side) if norm(side) < geom.radius => inside(ends, geom.radius, revision)?,
         _ => {
             let side = side.map(|side| unit(flat(side)).map(|x| x * geom.radius));
             match revision {
@@ -116,9 +113,9 @@ fn cross_each_other(p1: Vec2, p2: Vec2, p3: Vec2, p4: Vec2) -> bool {
     (0.0..=1.0).contains(&a) && (0.0..=1.0).contains(&b)
 }
 
-/// The arc around the outside of a circle.
-fn circle(ends: [Vec2; 2], side: Option<Vec2>, radius: f64) -> Option<(f64, [Vec2; 2])> {
-    let [e0, e1] = ends;
+/// The point between the ends that is nearest to the centre of a circle; `None` if an end is inside
+/// the circle, or if there is no circle or no distance between the ends.
+fn nearest_to_center([e0, e1]: [Vec2; 2], radius: f64) -> Option<Vec2> {
     let square = radius * radius;
     let (q0, q1) = (dot2(e0, e0), dot2(e1, e1));
     if q0 < square || q1 < square || radius < MINVAL {
@@ -130,8 +127,16 @@ fn circle(ends: [Vec2; 2], side: Option<Vec2>, radius: f64) -> Option<(f64, [Vec
         return None;
     }
     let a = (-dot2(dif, e0) / dd).clamp(0.0, 1.0);
-    let nearest = [a * dif[0] + e0[0], a * dif[1] + e0[1]];
-    if dot2(nearest, nearest) > square && side.is_none_or(|side| dot2(side, nearest) >= 0.0) {
+    Some([a * dif[0] + e0[0], a * dif[1] + e0[1]])
+}
+
+/// The arc around the outside of a circle.
+fn circle(ends: [Vec2; 2], side: Option<Vec2>, radius: f64) -> Option<(f64, [Vec2; 2])> {
+    let [e0, e1] = ends;
+    let nearest = nearest_to_center(ends, radius)?;
+    if dot2(nearest, nearest) > radius * radius
+        && side.is_none_or(|side| dot2(side, nearest) >= 0.0)
+    {
         return None;
     }
     let solutions = tangents(ends, radius);
@@ -201,19 +206,8 @@ fn segments_cross(e0: Vec2, s0: Vec2, e1: Vec2, s1: Vec2) -> bool {
 /// same direction as the path through `side`.
 fn circle_4_0(ends: [Vec2; 2], side: Option<Vec2>, radius: f64) -> Option<(f64, [Vec2; 2])> {
     let [e0, e1] = ends;
-    let square = radius * radius;
-    let (q0, q1) = (dot2(e0, e0), dot2(e1, e1));
-    if q0 < square || radius < MINVAL || q1 < square {
-        return None;
-    }
-    let dif = [e1[0] - e0[0], e1[1] - e0[1]];
-    let dd = dot2(dif, dif);
-    if dd < MINVAL {
-        return None;
-    }
-    let a = (-dot2(dif, e0) / dd).clamp(0.0, 1.0);
-    let nearest = [a * dif[0] + e0[0], a * dif[1] + e0[1]];
-    let free = dot2(nearest, nearest) > square;
+    let nearest = nearest_to_center(ends, radius)?;
+    let free = dot2(nearest, nearest) > radius * radius;
     // the angle about the centre that the path through `side` winds
     let winding = side.map(|side| angle(side, e1) + angle(e0, side));
     match winding {
@@ -252,13 +246,12 @@ fn circle_4_0(ends: [Vec2; 2], side: Option<Vec2>, radius: f64) -> Option<(f64, 
     Some((turned * radius, points))
 }
 
-/// The point where a tendon that passes inside a circle touches the circle, from 4.0 on. Newton's
-/// method solves for the angle of the point.
-fn inside_4_0([e0, e1]: [Vec2; 2], radius: f64) -> Option<(f64, [Vec2; 2])> {
-    const MOST: i32 = 18;
-    const TOLERANCE: f64 = 1e-6;
+/// The point where a tendon that passes inside a circle touches the circle; the point of the circle
+/// between the ends if Newton's method does not find it.
+fn inside(ends: [Vec2; 2], radius: f64, revision: Revision) -> Option<(f64, [Vec2; 2])> {
+    let [e0, e1] = ends;
     let (len0, len1) = (dot2(e0, e0).sqrt(), dot2(e1, e1).sqrt());
-    if len0 <= radius || len0 < MINVAL || radius < MINVAL || len1 <= radius || len1 < MINVAL {
+    if len0 <= radius || len1 <= radius || radius < MINVAL || len0 < MINVAL || len1 < MINVAL {
         return None;
     }
     let dif = [e1[0] - e0[0], e1[1] - e0[1]];
@@ -272,53 +265,56 @@ fn inside_4_0([e0, e1]: [Vec2; 2], radius: f64) -> Option<(f64, [Vec2; 2])> {
             }
         }
     }
-    let middle = unit([0.5 * (e0[0] + e1[0]), 0.5 * (e0[1] + e1[1])]).map(|x| x * radius);
-    let failed = Some((0.0, [middle; 2]));
     let cos = (len0 * len0 + len1 * len1 - dd) / (2.0 * len0 * len1);
     if cos < -1.0 + MINVAL {
         return None;
-    } else if cos > 1.0 - MINVAL {
-        return failed;
     }
     let (a, b) = (radius / len0, radius / len1);
-    let between = libm::acos(cos);
+    let first = e0[0] * e1[1] - e0[1] * e1[0] > 0.0;
+    let (from, part) = if first { (e0, a) } else { (e1, b) };
+    let turn = match revision {
+        _ if cos > 1.0 - MINVAL => None,
+        Revision::V3_12 => turn_3_12([a, b], libm::acos(cos), part),
+        Revision::V4_0 => turn_4_0([a, b], libm::acos(cos), part),
+    };
+    let point = if let Some(turn) = turn {
+        let [u, v] = unit(from);
+        let (sin, cos) = libm::sin_cos(turn);
+        [radius * (cos * u - sin * v), radius * (sin * u + cos * v)]
+    } else {
+        unit([0.5 * (e0[0] + e1[0]), 0.5 * (e0[1] + e1[1])]).map(|x| x * radius)
+    };
+    Some((0.0, [point; 2]))
+}
+
+/// The angle from an end to the point that a tendon inside a circle touches, from 4.0 on. `a` and
+/// `b` are the radius divided by the ends' distances, and `part` is that of the end. Newton's method
+/// solves for the angle of the point.
+fn turn_4_0([a, b]: [f64; 2], between: f64, part: f64) -> Option<f64> {
+    const MOST: i32 = 18;
+    const TOLERANCE: f64 = 1e-6;
     let mut f = libm::asin(b) + libm::asin(a) - PI + between;
     if f > 0.0 {
-        return failed;
+        return None;
     }
     let (mut turn, mut sin, mut iteration) = (FRAC_PI_2, 1.0, -1);
     while f.abs() > TOLERANCE {
         let square = sin * sin;
         let part = |x: f64| x / f64::max(MINVAL, (1.0 + square * -x * x).sqrt());
         let slope = (part(a) + part(b)) * libm::sin_cos(turn).1 - 2.0;
-        if slope > -MINVAL {
-            return failed;
-        }
         let next = turn - f / slope;
-        if next > turn {
-            return failed;
+        if slope > -MINVAL || next > turn {
+            return None;
         }
         turn = next;
         sin = libm::sin_cos(turn).0;
         f = libm::asin(b * sin) + libm::asin(a * sin) - (turn + turn) + between;
-        if f > TOLERANCE {
-            return failed;
-        }
         iteration += 1;
-        if iteration > MOST {
-            return failed;
+        if f > TOLERANCE || iteration > MOST {
+            return None;
         }
     }
-    let (from, part) = if e0[0] * e1[1] - e0[1] * e1[0] > 0.0 {
-        (e0, a)
-    } else {
-        (e1, b)
-    };
-    let turned = turn - libm::asin(part * sin);
-    let [u, v] = unit(from);
-    let (sin, cos) = libm::sin_cos(turned);
-    let point = [radius * (cos * u - sin * v), radius * (sin * u + cos * v)];
-    Some((0.0, [point; 2]))
+    Some(turn - libm::asin(part * sin))
 }
 
 /// The length of the arc of a circle from `p0` to `p1`, in the direction that `second` selects.
@@ -331,70 +327,32 @@ fn arc_length([p0, p1]: [Vec2; 2], second: bool, radius: f64) -> f64 {
     radius * angle
 }
 
-/// The point where a tendon that passes inside a circle touches the circle.
-fn inside([e0, e1]: [Vec2; 2], radius: f64) -> Option<(f64, [Vec2; 2])> {
+/// The angle from an end to the point that a tendon inside a circle touches, as `turn_4_0`. Newton's
+/// method solves for the sine of the point's angle.
+fn turn_3_12([a, b]: [f64; 2], between: f64, part: f64) -> Option<f64> {
     const MOST: usize = 20;
     const START: f64 = 1.0 - 1e-7;
     const TOLERANCE: f64 = 1e-6;
-    let (len0, len1) = (dot2(e0, e0).sqrt(), dot2(e1, e1).sqrt());
-    let dif = [e1[0] - e0[0], e1[1] - e0[1]];
-    let dd = dot2(dif, dif);
-    if len0 <= radius || len1 <= radius || radius < MINVAL || len0 < MINVAL || len1 < MINVAL {
-        return None;
-    }
-    if dd > MINVAL {
-        let a = -dot2(dif, e0) / dd;
-        if a > 0.0 && a < 1.0 {
-            let nearest = [e0[0] + dif[0] * a, e0[1] + dif[1] * a];
-            if dot2(nearest, nearest).sqrt() <= radius {
-                return None;
-            }
-        }
-    }
-    let middle = unit([0.5 * (e0[0] + e1[0]), 0.5 * (e0[1] + e1[1])]).map(|x| x * radius);
-    let failed = Some((0.0, [middle; 2]));
-    let (a, b) = (radius / len0, radius / len1);
-    let cos = (len0 * len0 + len1 * len1 - dd) / (2.0 * len0 * len1);
-    if cos < -1.0 + MINVAL {
-        return None;
-    } else if cos > 1.0 - MINVAL {
-        return failed;
-    }
-    let angle = libm::acos(cos);
-    let value = |z: f64| libm::asin(a * z) + libm::asin(b * z) - 2.0 * libm::asin(z) + angle;
+    let value = |z: f64| libm::asin(a * z) + libm::asin(b * z) - 2.0 * libm::asin(z) + between;
     let mut z = START;
     let mut f = value(z);
     if f > 0.0 {
-        return failed;
+        return None;
     }
     let mut iteration = 0;
     while iteration < MOST && f.abs() > TOLERANCE {
         let root = |x: f64| f64::max(MINVAL, (1.0 - z * z * x * x).sqrt());
         let slope = a / root(a) + b / root(b) - 2.0 / f64::max(MINVAL, (1.0 - z * z).sqrt());
-        if slope > -MINVAL {
-            return failed;
-        }
         let next = z - f / slope;
-        if next > z {
-            return failed;
+        if slope > -MINVAL || next > z {
+            return None;
         }
         z = next;
         f = value(z);
         if f > TOLERANCE {
-            return failed;
+            return None;
         }
         iteration += 1;
     }
-    if iteration >= MOST {
-        return failed;
-    }
-    let (from, turn) = if e0[0] * e1[1] - e0[1] * e1[0] > 0.0 {
-        (e0, libm::asin(z) - libm::asin(a * z))
-    } else {
-        (e1, libm::asin(z) - libm::asin(b * z))
-    };
-    let [u, v] = unit(from);
-    let (sin, cos) = libm::sin_cos(turn);
-    let point = [radius * (cos * u - sin * v), radius * (sin * u + cos * v)];
-    Some((0.0, [point; 2]))
+    (iteration < MOST).then(|| libm::asin(z) - libm::asin(part * z))
 }

@@ -70,24 +70,20 @@ impl Boxes<'_> {
         let (s1, s2, rot) = (self.a.size, self.b.size, &self.rot);
         let size = rot.map(f64::abs);
         let (mut best, mut axis) = (-1e10, None);
-        for i in 0..3 {
+        let of_first = (0..3).map(|i| {
             let radius = size[3 * i] * s2[0] + size[3 * i + 1] * s2[1] + size[3 * i + 2] * s2[2];
-            let apart = self.pos21[i].abs() - s1[i] - radius;
-            if apart > self.slack {
-                return None;
-            }
-            if apart > best {
-                (best, axis) = (apart, Some(Axis::First(i)));
-            }
-        }
-        for j in 0..3 {
+            (self.pos21[i].abs() - s1[i] - radius, Axis::First(i))
+        });
+        let of_second = (0..3).map(|j| {
             let radius = size[j] * s1[0] + size[3 + j] * s1[1] + size[6 + j] * s1[2];
-            let apart = self.pos12[j].abs() - s2[j] - radius;
+            (self.pos12[j].abs() - s2[j] - radius, Axis::Second(j))
+        });
+        for (apart, own) in of_first.chain(of_second) {
             if apart > self.slack {
                 return None;
             }
             if apart > best {
-                (best, axis) = (apart, Some(Axis::Second(j)));
+                (best, axis) = (apart, Some(own));
             }
         }
         let (face, face_axis) = (best, axis?);
@@ -168,21 +164,10 @@ impl Boxes<'_> {
         let (mut least, mut nearest) = (1e10, [[0.0; 3]; 2]);
         for flip1 in 0..=usize::from(unclear1.is_some()) {
             for flip2 in 0..=usize::from(unclear2.is_some()) {
-                let mut c1 = [0.0; 3];
-                for k in [i1, i2] {
-                    c1[k] = if axis[k] >= 0.0 { s1[k] } else { -s1[k] };
-                }
-                if let (Some(k), 1) = (unclear1, flip1) {
-                    c1[k] = -c1[k];
-                }
-                let mut corner = [0.0; 3];
-                for k in [j1, j2] {
-                    corner[k] = if axis2[k] >= 0.0 { -s2[k] } else { s2[k] };
-                }
-                if let (Some(k), 1) = (unclear2, flip2) {
-                    corner[k] = -corner[k];
-                }
-                let c2 = add(rotate(rot, corner), self.pos21);
+                let c1 = corner(&axis, s1, [i1, i2], unclear1.filter(|_| flip1 == 1));
+                let flipped = unclear2.filter(|_| flip2 == 1);
+                let c2 = corner(&axis2, &s2.map(|x| -x), [j1, j2], flipped);
+                let c2 = add(rotate(rot, c2), self.pos21);
                 let e = sub(c2, c1);
                 let (d1e, d2e) = (e[i], dot(along2, e));
                 let clip = |x: f64, most: f64| x.max(-most).min(most);
@@ -210,12 +195,8 @@ impl Boxes<'_> {
             return;
         }
         let middle = std::array::from_fn(|k| 0.5 * (w1[k] + w2[k]));
-        push(Hit {
-            dist,
-            pos: add(rotate(self.a.mat, middle), self.a.pos),
-            normal: rotate(self.a.mat, axis),
-            tangent: [0.0; 3],
-        });
+        let pos = add(rotate(self.a.mat, middle), self.a.pos);
+        push(Hit::new(dist, pos, rotate(self.a.mat, axis)));
     }
 
     /// Clips the incident face of one box against the reference face of the other box, and adds a
@@ -280,14 +261,21 @@ impl Boxes<'_> {
             let mut local = [0.0; 3];
             (local[ax], local[ay]) = (corner[0], corner[1]);
             local[a] = sign * (size[a] + 0.5 * corner[2]);
-            push(Hit {
-                dist: corner[2],
-                pos: add(rotate(mat, local), reference.pos),
-                normal,
-                tangent: [0.0; 3],
-            });
+            let pos = add(rotate(mat, local), reference.pos);
+            push(Hit::new(corner[2], pos, normal));
         }
     }
+}
+
+/// The middle of the edge of a box that is furthest along `axis`, where `flipped` is the coordinate
+/// whose sign is the other one.
+fn corner(axis: &Vec3, size: &Vec3, across: [usize; 2], flipped: Option<usize>) -> Vec3 {
+    let mut corner = [0.0; 3];
+    for k in across {
+        let upper = (axis[k] >= 0.0) != (flipped == Some(k));
+        corner[k] = if upper { size[k] } else { -size[k] };
+    }
+    corner
 }
 
 /// A polygon with at most [`CORNERS`] corners: positions in the plane of a face, and heights above

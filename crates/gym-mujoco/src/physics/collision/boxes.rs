@@ -25,12 +25,8 @@ pub(super) fn plane_box(
         if dist > margin || below > 0.0 {
             continue;
         }
-        push(Hit {
-            dist,
-            pos: add(add(corner, cuboid.pos), scale(normal, -dist / 2.0)),
-            normal,
-            tangent: [0.0; 3],
-        });
+        let pos = add(add(corner, cuboid.pos), scale(normal, -dist / 2.0));
+        push(Hit::new(dist, pos, normal));
         count += 1;
         if count == 4 {
             return;
@@ -80,12 +76,8 @@ pub(super) fn sphere_box(
         pos = add_scaled(add_scaled([0.0; 3], clamped, 0.5), deepest, 0.5);
         normal = rotate(cuboid.mat, towards);
     }
-    push(Hit {
-        dist: dist - radius,
-        pos: add(rotate(cuboid.mat, pos), cuboid.pos),
-        normal,
-        tangent: [0.0; 3],
-    });
+    let pos = add(rotate(cuboid.mat, pos), cuboid.pos);
+    push(Hit::new(dist - radius, pos, normal));
 }
 
 /// The contact with the side, an end or the rim of the cylinder, whichever is nearest.
@@ -124,12 +116,8 @@ pub(super) fn sphere_cylinder(
         let end = add_scaled(cylinder.pos, axis, sign * half);
         let dist = dot(sub(sphere.pos, end), outwards) - sphere_radius;
         if dist <= margin {
-            push(Hit {
-                dist,
-                pos: add_scaled(sphere.pos, outwards, -(dist * 0.5 + sphere_radius)),
-                normal: scale(outwards, -1.0),
-                tangent: [0.0; 3],
-            });
+            let pos = add_scaled(sphere.pos, outwards, -(dist * 0.5 + sphere_radius));
+            push(Hit::new(dist, pos, scale(outwards, -1.0)));
         }
     } else {
         let rim = scale(across, radius / square.sqrt());

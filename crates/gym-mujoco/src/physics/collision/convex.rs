@@ -25,7 +25,17 @@ pub(super) struct Solid<'a> {
     pub(super) shape: Shape<'a>,
 }
 
-impl Solid<'_> {
+impl<'a> Solid<'a> {
+    /// The solid in another place.
+    fn at(self, pos: Vec3, mat: &'a Mat3) -> Self {
+        let shape = Shape {
+            pos,
+            mat,
+            ..self.shape
+        };
+        Self { shape, ..self }
+    }
+
     /// The radius of a sphere or capsule around its centre or axis; `None` for other shapes.
     fn radius(&self) -> Option<f64> {
         matches!(self.kind, GeomType::Sphere | GeomType::Capsule).then_some(self.shape.size[0])
@@ -97,42 +107,19 @@ pub(super) fn contacts(
     let mut kept = [first.pos; MOST];
     let mut number = 1;
     let frame = frame((), first.normal, [0.0; 3]);
-    for tangent in [
-        [frame[3], frame[4], frame[5]],
-        [frame[6], frame[7], frame[8]],
-    ] {
+    for tangent in [3, 6].map(|k| [frame[k], frame[k + 1], frame[k + 2]]) {
         for angle in [-TURN, TURN] {
             let turn = InTurn::quat_to_mat(axis_angle((), tangent, angle));
             let back = std::array::from_fn(|k| turn[3 * (k % 3) + k / 3]);
             let (a_pos, a_mat) = turned(a.shape, first.pos, &turn);
             let (b_pos, b_mat) = turned(b.shape, first.pos, &back);
-            let turned = one(
-                Solid {
-                    shape: Shape {
-                        pos: a_pos,
-                        mat: &a_mat,
-                        ..a.shape
-                    },
-                    ..a
-                },
-                Solid {
-                    shape: Shape {
-                        pos: b_pos,
-                        mat: &b_mat,
-                        ..b.shape
-                    },
-                    ..b
-                },
-            );
-            if let Some(hit) = turned.filter(|hit| {
-                kept[..number]
-                    .iter()
-                    .all(|&pos| norm(sub(pos, hit.pos)) > apart)
-            }) {
-                push(Hit {
-                    dist: first.dist,
-                    ..hit
-                });
+            let turned = one(a.at(a_pos, &a_mat), b.at(b_pos, &b_mat));
+            let far = |hit: &Hit| {
+                let mut kept = kept[..number].iter();
+                kept.all(|&pos| norm(sub(pos, hit.pos)) > apart)
+            };
+            if let Some(hit) = turned.filter(far) {
+                push(Hit::new(first.dist, hit.pos, hit.normal));
                 kept[number] = hit.pos;
                 number += 1;
             }
@@ -248,27 +235,16 @@ pub(super) struct Touch {
 impl Touch {
     pub(super) fn hit(&self, margin: f64) -> Hit {
         let [w1, w2] = self.points;
-        Hit {
-            dist: margin + self.dist,
-            pos: scale(add(w1, w2), 0.5),
-            normal: normalize(sub(w1, w2)).0,
-            tangent: [0.0; 3],
-        }
+        let (middle, normal) = (scale(add(w1, w2), 0.5), normalize(sub(w1, w2)).0);
+        Hit::new(margin + self.dist, middle, normal)
     }
 }
 
 /// The point of a capsule's axis furthest in a direction.
 fn line_support(capsule: Shape<'_>, direction: Vec3) -> Vec3 {
     let (axis, half) = (capsule.axis(), capsule.size[1]);
-    add_scaled(
-        capsule.pos,
-        axis,
-        if dot(axis, direction) >= 0.0 {
-            half
-        } else {
-            -half
-        },
-    )
+    let ahead = dot(axis, direction) >= 0.0;
+    add_scaled(capsule.pos, axis, if ahead { half } else { -half })
 }
 
 /// The point of a capsule furthest in a direction.
@@ -337,11 +313,10 @@ pub(super) fn plane_ellipsoid(
     };
     let dist = dot(normal, sub(lowest, plane.pos));
     if dist <= margin {
-        push(Hit {
+        push(Hit::new(
             dist,
-            pos: add_scaled(lowest, normal, -0.5 * dist),
+            add_scaled(lowest, normal, -0.5 * dist),
             normal,
-            tangent: [0.0; 3],
-        });
+        ));
     }
 }

@@ -62,15 +62,17 @@ enum Place {
 
 impl Polytope {
     /// Allocates a polytope that never needs to grow.
-    pub(crate) fn new() -> Self {
+    pub(crate) fn new(used: bool) -> Self {
+        if !used {
+            return Self::default();
+        }
         Self {
-            revision: Revision::default(),
             vertices: Vec::with_capacity(ITERATIONS + 5),
             faces: Vec::with_capacity(FACES),
-            center: [0.0; 3],
             candidates: Vec::with_capacity(FACES),
             horizon: Vec::with_capacity(FACES),
             polygons: std::array::from_fn(|_| Vec::with_capacity(CUTS)),
+            ..Self::default()
         }
     }
 
@@ -99,13 +101,7 @@ impl Polytope {
         let face = &self.faces[nearest];
         let corners = face.corners.map(|v| self.vertices[v]);
         let (weights, _) = weights_at(corners.map(|v| v.x), face.nearest, revision);
-        let point = |of: fn(&Vertex) -> Vec3| {
-            let [a, b, c] = corners.map(|v| of(&v));
-            add(
-                add(scale(a, weights[0]), scale(b, weights[1])),
-                scale(c, weights[2]),
-            )
-        };
+        let point = |of: fn(&Vertex) -> Vec3| weighted(corners.map(|v| of(&v)), weights);
         Some(Overlap {
             nearest: [point(|v| v.w1), point(|v| v.w2)],
             depth: face.square.sqrt(),
@@ -444,9 +440,7 @@ impl Polytope {
     /// stay.
     fn find_horizon(&mut self, face: usize, w: Vec3) {
         self.remove(face);
-        let Face {
-            corners, beyond, ..
-        } = self.faces[face];
+        let (corners, beyond) = (self.faces[face].corners, self.faces[face].beyond);
         for edge in 0..3 {
             let neighbour = beyond[edge];
             if edge == 0 || self.faces[neighbour].place != Place::Removed {
@@ -458,13 +452,8 @@ impl Polytope {
     /// Continues [`find_horizon`](Self::find_horizon) at `face`, from the other side of its edge
     /// that starts at `corner`.
     fn look_beyond(&mut self, face: usize, corner: usize, w: Vec3) {
-        let Face {
-            corners,
-            beyond,
-            nearest,
-            square,
-            ..
-        } = self.faces[face];
+        let (corners, beyond) = (self.faces[face].corners, self.faces[face].beyond);
+        let (nearest, square) = (self.faces[face].nearest, self.faces[face].square);
         let entry = corners[..2].iter().position(|c| *c == corner).unwrap_or(2);
         // from 4.0 on, the tolerance is relative to distances above 1
         let least = match self.revision {
@@ -522,6 +511,10 @@ fn has_one_sign(numbers: &[f64; 3]) -> bool {
 }
 
 /// The mean of five points.
+fn weighted([a, b, c]: [Vec3; 3], [wa, wb, wc]: [f64; 3]) -> Vec3 {
+    add(add(scale(a, wa), scale(b, wb)), scale(c, wc))
+}
+
 fn mean([a, b, c, d, e]: [Vec3; 5]) -> Vec3 {
     scale(add(add(add(add(a, b), c), d), e), 0.2)
 }
@@ -529,11 +522,7 @@ fn mean([a, b, c, d, e]: [Vec3; 5]) -> Vec3 {
 /// Whether `p` is a point of the triangle, up to rounding.
 fn is_in_triangle(corners: [Vec3; 3], p: Vec3, revision: Revision) -> bool {
     let (weights, _) = weights_at(corners, p, revision);
-    let [a, b, c] = corners;
-    let nearest = add(
-        add(scale(a, weights[0]), scale(b, weights[1])),
-        scale(c, weights[2]),
-    );
+    let nearest = weighted(corners, weights);
     !weights.iter().any(|w| *w < 0.0) && norm(sub(nearest, p)) < MINVAL
 }
 

@@ -431,12 +431,8 @@ fn triangle(a: Vec3, b: Vec3, c: Vec3, revision: Revision) -> [f64; 3] {
     };
     let mut best = ([0.0; 3], f64::MAX);
     let edges = [([b, c], [1, 2]), ([a, c], [0, 2]), ([a, b], [0, 1])];
-    for ([p, q], corners) in edges
-        .into_iter()
-        .zip(inside)
-        .filter(|(_, inside)| !inside)
-        .map(|(edge, _)| edge)
-    {
+    let beyond = edges.into_iter().zip(inside).filter(|(_, inside)| !inside);
+    for (([p, q], corners), _) in beyond {
         let weights = segment(p, q, revision);
         let nearest = add_scaled(scale(p, weights[0]), q, weights[1]);
         let square = dot(nearest, nearest);
@@ -470,12 +466,8 @@ fn tetrahedron([a, b, c, d]: [Vec3; 4], revision: Revision) -> [f64; 4] {
         ([a, b, d], [0, 1, 3]),
         ([a, b, c], [0, 1, 2]),
     ];
-    for ([p, q, r], corners) in faces
-        .into_iter()
-        .zip(inside)
-        .filter(|(_, inside)| !inside)
-        .map(|(face, _)| face)
-    {
+    let beyond = faces.into_iter().zip(inside).filter(|(_, inside)| !inside);
+    for (([p, q, r], corners), _) in beyond {
         let weights = triangle(p, q, r, revision);
         let nearest = add_scaled(
             add_scaled(scale(p, weights[0]), q, weights[1]),

@@ -158,9 +158,8 @@ fn find_incidence(solids: [Solid<'_>; 2], touch: &Touch) -> Option<Incidence> {
 fn parallel(found: &[Few<Face>; 2], outward: [Vec3; 2]) -> Option<[Face; 2]> {
     let least = norm(outward[1]) * SLOPE;
     let [first, second] = [0, 1].map(|k| {
-        found[k]
-            .iter()
-            .filter(move |face| dot(face.normal, outward[k]) > least)
+        let faces = found[k].iter();
+        faces.filter(move |face| dot(face.normal, outward[k]) > least)
     });
     let (mut best, mut pair) = (-PARALLEL, None);
     for a in first {

@@ -22,6 +22,13 @@ pub(in crate::physics) use bounds::{Frame, ROUNDING};
 pub(crate) use epa::Polytope;
 pub(super) use primitive::above_plane;
 
+use box_box::box_box;
+use boxes::{plane_box, sphere_box, sphere_cylinder};
+use capsule_box::capsule_box;
+use primitive::{
+    capsule_capsule, plane_capsule, plane_cylinder, plane_sphere, sphere_capsule, sphere_sphere,
+};
+
 /// A geom in the world.
 #[derive(Clone, Copy)]
 struct Shape<'a> {
@@ -45,6 +52,19 @@ struct Hit {
     normal: Vec3,
     /// The preferred direction of the first tangent; zero for none.
     tangent: Vec3,
+}
+
+impl Hit {
+    /// A contact whose first tangent is of no matter.
+    fn new(dist: f64, pos: Vec3, normal: Vec3) -> Self {
+        let tangent = [0.0; 3];
+        Self {
+            dist,
+            pos,
+            normal,
+            tangent,
+        }
+    }
 }
 
 /// Finds all contacts: MuJoCo's `mj_collision`.
@@ -80,61 +100,39 @@ pub(in crate::physics) fn touch(
         size: &m.geom_size[pair.geom[k]],
     });
     let first = contacts.len();
-    let mut push = |hit: Hit| contacts.push(contact(pair, index, &hit));
+    let (margin, push) = (pair.margin, &mut |hit: Hit| {
+        contacts.push(contact(pair, index, &hit));
+    });
     match pair.kind {
-        (GeomType::Plane, GeomType::Sphere) => {
-            primitive::plane_sphere(a, b, pair.margin, &mut push);
-        }
-        (GeomType::Plane, GeomType::Capsule) => {
-            primitive::plane_capsule(a, b, pair.margin, &mut push);
-        }
-        (GeomType::Plane, GeomType::Cylinder) => {
-            primitive::plane_cylinder(a, b, pair.margin, &mut push);
-        }
-        (GeomType::Sphere, GeomType::Sphere) => {
-            primitive::sphere_sphere(a, b, pair.margin, &mut push);
-        }
-        (GeomType::Sphere, GeomType::Capsule) => {
-            primitive::sphere_capsule(a, b, pair.margin, &mut push);
-        }
-        (GeomType::Capsule, GeomType::Capsule) => {
-            primitive::capsule_capsule(a, b, pair.margin, m.revision, &mut push);
-        }
-        (GeomType::Plane, GeomType::Box) => boxes::plane_box(a, b, pair.margin, &mut push),
-        (GeomType::Sphere, GeomType::Box) => {
-            boxes::sphere_box((a.pos, a.size[0]), b, pair.margin, &mut push);
-        }
-        (GeomType::Sphere, GeomType::Cylinder) => {
-            boxes::sphere_cylinder(a, b, pair.margin, &mut push);
-        }
-        (GeomType::Capsule, GeomType::Box) => {
-            capsule_box::capsule_box(a, b, pair.margin, &mut push);
-        }
-        (GeomType::Box, GeomType::Box) => box_box::box_box(a, b, pair.margin, &mut push),
+        (GeomType::Plane, GeomType::Sphere) => plane_sphere(a, b, margin, push),
+        (GeomType::Plane, GeomType::Capsule) => plane_capsule(a, b, margin, push),
+        (GeomType::Plane, GeomType::Cylinder) => plane_cylinder(a, b, margin, push),
+        (GeomType::Sphere, GeomType::Sphere) => sphere_sphere(a, b, margin, push),
+        (GeomType::Sphere, GeomType::Capsule) => sphere_capsule(a, b, margin, push),
+        (GeomType::Capsule, GeomType::Capsule) => capsule_capsule(a, b, margin, m.revision, push),
+        (GeomType::Plane, GeomType::Box) => plane_box(a, b, margin, push),
+        (GeomType::Sphere, GeomType::Box) => sphere_box((a.pos, a.size[0]), b, margin, push),
+        (GeomType::Sphere, GeomType::Cylinder) => sphere_cylinder(a, b, margin, push),
+        (GeomType::Capsule, GeomType::Box) => capsule_box(a, b, margin, push),
+        (GeomType::Box, GeomType::Box) => box_box(a, b, margin, push),
         (GeomType::Plane, GeomType::Ellipsoid) => {
-            convex::plane_ellipsoid(a, b, pair.margin, m.revision, &mut push);
+            convex::plane_ellipsoid(a, b, margin, m.revision, push);
         }
         (GeomType::Plane, GeomType::Plane) => {} // never touch
         (first, second) => {
-            let a = convex::Solid {
-                kind: first,
-                shape: a,
-            };
-            let b = convex::Solid {
-                kind: second,
-                shape: b,
-            };
+            let [a, b] =
+                [(first, a), (second, b)].map(|(kind, shape)| convex::Solid { kind, shape });
             match m.revision {
                 revision if m.opt.disables(Disable::MultiCcd) => {
-                    if let Some(touch) = convex::one(a, b, pair.margin, revision, polytope) {
-                        push(touch.hit(pair.margin));
+                    if let Some(touch) = convex::one(a, b, margin, revision, polytope) {
+                        push(touch.hit(margin));
                     }
                 }
                 Revision::V3_12 => {
                     let apart = 1e-3 * m.geom_rbound[pair.geom[0]].min(m.geom_rbound[pair.geom[1]]);
-                    convex::contacts(a, b, pair.margin, apart, polytope, &mut push);
+                    convex::contacts(a, b, margin, apart, polytope, push);
                 }
-                Revision::V4_0 => manifold::contacts(a, b, pair.margin, polytope, &mut push),
+                Revision::V4_0 => manifold::contacts(a, b, margin, polytope, push),
             }
         }
     }

@@ -44,9 +44,8 @@ pub(super) fn plane_sphere(
     margin: f64,
     push: &mut impl FnMut(Hit),
 ) {
-    if let Some(hit) = plane_point(plane, sphere.pos, sphere.size[0], [0.0; 3], margin) {
-        push(hit);
-    }
+    let hit = plane_point(plane, sphere.pos, sphere.size[0], [0.0; 3], margin);
+    hit.into_iter().for_each(push);
 }
 
 /// Contacts of the capsule's ends as spheres, first the end at +z; the tangent is the capsule's
@@ -59,15 +58,9 @@ pub(super) fn plane_capsule(
 ) {
     let (axis, &[radius, half, _]) = (capsule.axis(), capsule.size);
     for end in [half, -half] {
-        if let Some(hit) = plane_point(
-            plane,
-            add_scaled(capsule.pos, axis, end),
-            radius,
-            axis,
-            margin,
-        ) {
-            push(hit);
-        }
+        let centre = add_scaled(capsule.pos, axis, end);
+        let hit = plane_point(plane, centre, radius, axis, margin);
+        hit.into_iter().for_each(&mut *push);
     }
 }
 
@@ -102,12 +95,11 @@ pub(super) fn plane_cylinder(
     let center = cylinder.pos;
     let mut point = |place: Vec3, dist: f64| {
         if dist <= margin {
-            push(Hit {
+            push(Hit::new(
                 dist,
-                pos: add_scaled(place, normal, -dist * 0.5),
+                add_scaled(place, normal, -dist * 0.5),
                 normal,
-                tangent: [0.0; 3],
-            });
+            ));
         }
         dist <= margin
     };
@@ -123,16 +115,9 @@ pub(super) fn plane_cylinder(
 }
 
 pub(super) fn sphere_sphere(a: Shape<'_>, b: Shape<'_>, margin: f64, push: &mut impl FnMut(Hit)) {
-    if let Some(hit) = spheres(
-        a.pos,
-        a.size[0],
-        b.pos,
-        b.size[0],
-        (a.axis(), b.axis()),
-        margin,
-    ) {
-        push(hit);
-    }
+    let axes = (a.axis(), b.axis());
+    let hit = spheres(a.pos, a.size[0], b.pos, b.size[0], axes, margin);
+    hit.into_iter().for_each(push);
 }
 
 pub(super) fn sphere_capsule(
@@ -144,16 +129,9 @@ pub(super) fn sphere_capsule(
     let (axis, &[radius, half, _]) = (capsule.axis(), capsule.size);
     let along = dot(axis, sub(sphere.pos, capsule.pos)).clamp(-half, half);
     let nearest = add_scaled(capsule.pos, axis, along);
-    if let Some(hit) = spheres(
-        sphere.pos,
-        sphere.size[0],
-        nearest,
-        radius,
-        (sphere.axis(), axis),
-        margin,
-    ) {
-        push(hit);
-    }
+    let axes = (sphere.axis(), axis);
+    let hit = spheres(sphere.pos, sphere.size[0], nearest, radius, axes, margin);
+    hit.into_iter().for_each(push);
 }
 
 /// Adds the contacts of spheres at the nearest points of the capsules' segments. Parallel segments

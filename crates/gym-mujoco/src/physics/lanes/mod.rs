@@ -4,11 +4,6 @@
 //! alone. Every function called under `vectorize` is `#[inline(always)]`: otherwise the compiler
 //! would not use the CPU's vector instructions in the function.
 
-#![expect(
-    clippy::needless_range_loop,
-    reason = "indices are those of the formulas"
-)]
-
 mod actuators;
 mod arrays;
 mod derived;
@@ -165,13 +160,8 @@ impl Worlds {
             let com = |body: usize| a.subtree_com[body].each_ref().map(|row| row.0[world]);
             push_apart(m, contact, edge, com, &mut forces);
         }
-        for (row, x) in self
-            .arrays
-            .cfrc_ext
-            .as_flattened_mut()
-            .iter_mut()
-            .zip(forces.as_flattened())
-        {
+        let rows = self.arrays.cfrc_ext.as_flattened_mut().iter_mut();
+        for (row, x) in rows.zip(forces.as_flattened()) {
             row.0[world] = *x;
         }
         self.cfrc_ext = forces;

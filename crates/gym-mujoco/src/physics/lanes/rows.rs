@@ -64,11 +64,7 @@ impl Rows {
             contacts: std::array::from_fn(|_| Vec::with_capacity(bounds.contacts)),
             moved: Vec::with_capacity(nv),
             keeps,
-            polytope: if m.plan().pairs.iter().any(crate::model::Pair::is_convex) {
-                Polytope::new()
-            } else {
-                Polytope::default()
-            },
+            polytope: Polytope::new(m.plan().deep),
             ..Self::default()
         };
         buffers.reserve(nv, bounds.rows);
@@ -348,9 +344,8 @@ impl Rows {
     fn touch(&mut self, m: &Model, a: &Arrays, index: usize, world: usize) {
         let (pair, nv) = (&m.plan().pairs[index], m.nv());
         let of = |cells: &[Row; 3]| cells.each_ref().map(|cell| cell.0[world]);
-        let mats = pair
-            .geom
-            .map(|g| a.geom_xmat[g].each_ref().map(|cell| cell.0[world]));
+        let mat = |g: usize| a.geom_xmat[g].each_ref().map(|cell| cell.0[world]);
+        let mats = pair.geom.map(mat);
         let frames = [0, 1].map(|k| (of(&a.geom_xpos[pair.geom[k]]), &mats[k]));
         let inertial = |body: usize| {
             let mat = a.ximat[body].each_ref().map(|cell| cell.0[world]);

@@ -12,7 +12,7 @@ use crate::physics::contact_force::force_of;
 use crate::physics::number;
 use crate::physics::sensor::{fixed, touch_of};
 use crate::physics::spatial::{
-    MINVAL, add, rotate_back, rotation, scale, transform_motion, translation,
+    MINVAL, add, rotate_back6, rotation, scale, transform_motion, translation,
 };
 
 /// Iterates over the sensors that write to the first `numbers` elements of `sensordata`.
@@ -142,10 +142,7 @@ impl Arrays {
             return velocity;
         }
         let mat = number::get::<Lanes<S>, 9>(at, &self.site_xmat[site]);
-        crate::physics::spatial::join(
-            rotate_back(&mat, rotation(&velocity)),
-            rotate_back(&mat, translation(&velocity)),
-        )
+        rotate_back6(&mat, &velocity)
     }
 
     /// Computes the velocities of the subtrees' centres of mass. The results are in the buffer

@@ -2,11 +2,6 @@
 //! [`dense`](crate::physics::dense) and [`inertia`](crate::physics::inertia). The models have one
 //! tree.
 
-#![expect(
-    clippy::needless_range_loop,
-    reason = "indices are those of the formulas"
-)]
-
 use fearless_simd::Simd;
 use gym_core::math::{Lanes, Real};
 

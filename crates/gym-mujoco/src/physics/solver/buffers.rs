@@ -76,19 +76,7 @@ impl Buffers {
         };
         buffers.ma_start.resize(nv, 0.0);
         let groups = dense::groups(nv);
-        for vector in [
-            &mut buffers.acc,
-            &mut buffers.smooth,
-            &mut buffers.constraint,
-            &mut buffers.ma,
-            &mut buffers.grad,
-            &mut buffers.mgrad,
-            &mut buffers.search,
-            &mut buffers.mv,
-            &mut buffers.row_update,
-            &mut buffers.grad_before,
-            &mut buffers.mgrad_before,
-        ] {
+        for vector in buffers.of_dofs() {
             vector.resize(groups, [0.0; 4]);
         }
         buffers.hessian.reserve(nv * groups);
@@ -119,10 +107,10 @@ impl Buffers {
         buffers
     }
 
-    /// Resizes the vectors for an island of `n` degrees of freedom. The elements that fill the last
-    /// group of four are zero.
-    pub(super) fn fit(&mut self, n: usize) {
-        for vector in [
+    /// The vectors with a number for each degree of freedom.
+    #[inline(always)]
+    fn of_dofs(&mut self) -> [&mut Vec<Lanes>; 11] {
+        [
             &mut self.acc,
             &mut self.smooth,
             &mut self.constraint,
@@ -134,8 +122,15 @@ impl Buffers {
             &mut self.row_update,
             &mut self.grad_before,
             &mut self.mgrad_before,
-        ] {
-            if vector.len() != dense::groups(n) || (!n.is_multiple_of(4) && self.last != n) {
+        ]
+    }
+
+    /// Resizes the vectors for an island of `n` degrees of freedom. The elements that fill the last
+    /// group of four are zero.
+    pub(super) fn fit(&mut self, n: usize) {
+        let other_rest = !n.is_multiple_of(4) && self.last != n;
+        for vector in self.of_dofs() {
+            if vector.len() != dense::groups(n) || other_rest {
                 vector.clear();
                 vector.resize(dense::groups(n), [0.0; 4]);
             }

@@ -65,11 +65,8 @@ fn islands(m: &Model, d: &mut Data) {
         let (trees, blocks) = (work.island_trees.len(), work.island_blocks.len());
         work.island_trees
             .extend((0..m.ntree()).filter(|&tree| work.tree_island[tree] == island));
-        let own = efc
-            .blocks
-            .iter()
-            .enumerate()
-            .filter(|(_, block)| block.island == island);
+        let all = efc.blocks.iter().enumerate();
+        let own = all.filter(|(_, block)| block.island == island);
         work.island_blocks.extend(own.map(|(index, _)| index));
         work.islands.push(Island {
             trees: trees..work.island_trees.len(),

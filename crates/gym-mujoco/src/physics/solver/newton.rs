@@ -4,11 +4,6 @@
 //! Each island has vectors of its own degrees of freedom and rows, as in MuJoCo, because an
 //! element's position in a vector affects the order of a sum.
 
-#![expect(
-    clippy::needless_range_loop,
-    reason = "indices are those of the formulas"
-)]
-
 use std::ops::Range;
 
 use super::buffers::{Buffers, Gathered};
@@ -267,10 +262,8 @@ fn solve_island(
     if !whole {
         b.jar.resize(nefc, 0.0);
         problem.mul_jacobian(&b.acc, &mut b.jar);
-        b.jar
-            .iter_mut()
-            .zip(problem.aref)
-            .for_each(|(jar, aref)| *jar -= aref);
+        let residuals = b.jar.iter_mut().zip(problem.aref);
+        residuals.for_each(|(jar, aref)| *jar -= aref);
     }
     b.jv.resize(nefc, 0.0);
     b.force.resize(nefc, 0.0);

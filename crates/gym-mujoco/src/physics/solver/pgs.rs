@@ -343,18 +343,14 @@ fn iterate(m: &Model, d: &Data, s: &mut Buffers, scale: f64) -> usize {
         order.copy_from_slice(next_order);
         let mut improvement = 0.0;
         for (&i, next) in order.iter().zip((0..n).rev()) {
-            let &Step {
-                row,
-                b,
-                diag_inv,
-                diag,
-            } = &steps[i as usize];
-            let residual = b + dot(&ar[row * stride..][..stride], force, nefc);
+            let step = &steps[i as usize];
+            let row = step.row;
+            let residual = step.b + dot(&ar[row * stride..][..stride], force, nefc);
             let old = force.as_flattened()[row];
-            let moved = old - residual * diag_inv;
+            let moved = old - residual * step.diag_inv;
             let new = if moved < 0.0 { 0.0 } else { moved };
             let delta = new - old;
-            let change = 0.5 * delta * delta * diag + delta * residual;
+            let change = 0.5 * delta * delta * step.diag + delta * residual;
             if change <= 1e-10 {
                 dense::set(force, row, new);
                 improvement -= change;

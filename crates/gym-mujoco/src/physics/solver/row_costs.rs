@@ -1,11 +1,6 @@
 //! Costs and forces of rows in models with equality constraints, dry friction or elliptic cones.
 //! (In all other models, rows only push: see [`cost_of_rows`](super::cost_of_rows).)
 
-#![expect(
-    clippy::needless_range_loop,
-    reason = "indices are those of the formulas"
-)]
-
 use crate::physics::constraint::{Block, Kind, Source};
 use crate::{Contact, Revision};
 
@@ -531,9 +526,8 @@ impl Cone {
         };
         let parts = &parts[..*number];
         let moved = |[u, v]: [f64; 2]| u + alpha * v;
-        let along = parts
-            .iter()
-            .fold(0.0, |sum, &part| sum + moved(part) * part[1]);
+        let along = parts.iter();
+        let along = along.fold(0.0, |sum, &part| sum + moved(part) * part[1]);
         let mut across = 0.0;
         for (j, &first) in parts.iter().enumerate() {
             let direction = moved(first) / length;

@@ -47,14 +47,10 @@ pub(super) fn is_of_features(recording: &Map<String, Value>) -> bool {
 /// Computes the results of this engine for a recording.
 pub(super) fn answer(recording: &Map<String, Value>) -> Result<Map<String, Value>> {
     let wrong = |what: &str| Error::Data(format!("the recording has {what}"));
-    let text = recording
-        .get("xml")
-        .and_then(Value::as_str)
-        .ok_or_else(|| wrong("no text of a model"))?;
-    let versions = recording
-        .get("versions")
-        .and_then(Value::as_object)
-        .ok_or_else(|| wrong("no versions"))?;
+    let text = recording.get("xml").and_then(Value::as_str);
+    let text = text.ok_or_else(|| wrong("no text of a model"))?;
+    let versions = recording.get("versions").and_then(Value::as_object);
+    let versions = versions.ok_or_else(|| wrong("no versions"))?;
     let seed = recording.get("seed").and_then(Value::as_u64).unwrap_or(0);
     let mut answers = Map::new();
     for (version, recorded) in versions {
@@ -76,12 +72,8 @@ pub(super) fn answer(recording: &Map<String, Value>) -> Result<Map<String, Value
 
 fn of_version(m: &Model, recorded: &Value, seed: u32) -> Result<Value> {
     let mut steps = Vec::new();
-    for (i, case) in recorded["steps"]
-        .as_array()
-        .into_iter()
-        .flatten()
-        .enumerate()
-    {
+    let cases = recorded["steps"].as_array().into_iter().flatten();
+    for (i, case) in cases.enumerate() {
         let state = State::deserialize(case).map_err(|error| {
             Error::Data(format!(
                 "the recording has a step {i} without a state: {error}"

@@ -69,18 +69,15 @@ pub fn answer(recording: &Map<String, Value>, folder: &Path) -> Result<Map<Strin
                 )));
             }
             None => {
-                let figures = m
-                    .figures()
-                    .into_iter()
-                    .filter(|(key, _)| key != "model" && recording.contains_key(key));
+                let figures = m.figures().into_iter();
+                let figures =
+                    figures.filter(|(key, _)| key != "model" && recording.contains_key(key));
                 answer.extend(figures);
                 return Ok(answer);
             }
         };
-    let cases = answer
-        .get_mut("cases")
-        .and_then(Value::as_array_mut)
-        .ok_or_else(|| wrong("no list of cases"))?;
+    let cases = answer.get_mut("cases").and_then(Value::as_array_mut);
+    let cases = cases.ok_or_else(|| wrong("no list of cases"))?;
     for (i, case) in cases.iter_mut().enumerate() {
         let state = State::deserialize(&*case)
             .map_err(|error| wrong(&format!("a case {i} that is not a state: {error}")))?;
@@ -194,12 +191,10 @@ fn rows(matrix: &[f64], width: usize) -> Vec<Vec<f64>> {
 
 /// The positions or velocities of the actuators' joints, times their gear.
 fn along_joints(m: &Model, numbers: &[f64], addresses: &[usize]) -> Vec<f64> {
-    let joints = m
-        .actuator_trnid
-        .iter()
-        .map(|id| usize::try_from(id[0]).unwrap_or(0));
-    joints
-        .zip(&m.actuator_gear)
+    let ids = m.actuator_trnid.iter();
+    let joints = ids.map(|id| usize::try_from(id[0]).unwrap_or(0));
+    let moved = joints.zip(&m.actuator_gear);
+    moved
         .map(|(joint, gear)| gear[0] * numbers[addresses[joint]])
         .collect()
 }

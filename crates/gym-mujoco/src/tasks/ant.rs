@@ -150,10 +150,8 @@ impl env::Task for Task {
             Body::Name(name) => simulation.body(name)?,
             Body::Id(id) if *id < bodies => *id,
             Body::Id(id) => {
-                return Err(Error::argument(
-                    "main_body",
-                    format!("{id}: the model has the bodies 0 to {}", bodies - 1),
-                ));
+                let reason = format!("{id}: the model has the bodies 0 to {}", bodies - 1);
+                return Err(Error::argument("main_body", reason));
             }
         };
         let (observed_forces, forces_cost) = match version {
@@ -225,12 +223,8 @@ impl env::Task for Task {
         let first = self.observed_forces.unwrap_or(data.cfrc_ext.len());
         let forces = data.cfrc_ext[first..].as_flattened().iter();
         let clipped = forces.map(|force| self.config.contact_force_range.clip(*force));
-        data.qpos
-            .iter()
-            .skip(skip)
-            .chain(&data.qvel)
-            .copied()
-            .chain(clipped)
+        let state = data.qpos.iter().skip(skip).chain(&data.qvel);
+        state.copied().chain(clipped)
     }
 
     fn info(&self, _: &Simulation, data: &Data, step: Option<&Step>, visit: Visit<'_>) {

@@ -119,26 +119,20 @@ impl Common {
             return Err(Error::argument("frame_skip", reason));
         }
         if self.width == 0 || self.height == 0 || self.width > 16_384 || self.height > 16_384 {
-            return Err(Error::argument(
-                "width and height",
-                "must lie between 1 and 16384 pixels",
-            ));
+            let reason = "must lie between 1 and 16384 pixels";
+            return Err(Error::argument("width and height", reason));
         }
         if self.camera_id.is_some() && self.camera_name.is_some() {
-            return Err(Error::argument(
-                "camera_id",
-                "does not go with camera_name: give one of them",
-            ));
+            let reason = "does not go with camera_name: give one of them";
+            return Err(Error::argument("camera_id", reason));
         }
         if let Some(options) = &self.visual_options
             && let Some((flag, value)) = options
                 .iter()
                 .find(|(flag, value)| flag.parse::<u32>().is_err() || !value.is_boolean())
         {
-            return Err(Error::argument(
-                "visual_options",
-                format!("{flag}: {value} is not a flag's number with true or false"),
-            ));
+            let reason = format!("{flag}: {value} is not a flag's number with true or false");
+            return Err(Error::argument("visual_options", reason));
         }
         Ok(())
     }

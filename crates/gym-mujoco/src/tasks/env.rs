@@ -166,12 +166,8 @@ impl<T: Task> MujocoEnv<T> {
             *observation = Array::from(vec![0.0; self.observations]);
         }
         let seen = self.task.observe(&self.simulation, &episode.data);
-        for (to, from) in observation
-            .as_mut_slice::<f64>()
-            .unwrap_or_default()
-            .iter_mut()
-            .zip(seen)
-        {
+        let numbers = observation.as_mut_slice::<f64>().unwrap_or_default();
+        for (to, from) in numbers.iter_mut().zip(seen) {
             *to = from;
         }
         Ok(())
@@ -213,10 +209,8 @@ impl<T: Task> Simulated for MujocoEnv<T> {
                 return Err(Error::argument(name, reason));
             }
             if let Some(x) = numbers.iter().find(|x| x.is_nan() || x.abs() > MAXVAL) {
-                return Err(Error::argument(
-                    name,
-                    format!("{x} is not within ±{MAXVAL:e}"),
-                ));
+                let reason = format!("{x} is not within ±{MAXVAL:e}");
+                return Err(Error::argument(name, reason));
             }
         }
         self.resumed.take();
@@ -360,14 +354,9 @@ impl<T: Task> Env for MujocoEnv<T> {
                 if tendons_follow == Some(name)
                     && let Some(data) = if there { Some(data) } else { self.data() }
                 {
-                    visit(
-                        "tendon_length",
-                        Value::Array(data.ten_length.clone().into()),
-                    );
-                    visit(
-                        "tendon_velocity",
-                        Value::Array(data.ten_velocity.clone().into()),
-                    );
+                    let array = |numbers: &[f64]| Value::Array(numbers.to_vec().into());
+                    visit("tendon_length", array(&data.ten_length));
+                    visit("tendon_velocity", array(&data.ten_velocity));
                 }
             });
     }

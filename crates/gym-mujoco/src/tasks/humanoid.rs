@@ -145,11 +145,8 @@ impl Task {
     fn mass_center(&self, simulation: &Simulation, data: &Data) -> [f64; 2] {
         let masses = &simulation.model.body_mass;
         let moment = |k: usize| {
-            masses
-                .iter()
-                .zip(&data.xipos)
-                .map(|(mass, pos)| mass * pos[k])
-                .sum::<f64>()
+            let moments = masses.iter().zip(&data.xipos);
+            moments.map(|(mass, pos)| mass * pos[k]).sum::<f64>()
         };
         [moment(0) / self.total_mass, moment(1) / self.total_mass]
     }

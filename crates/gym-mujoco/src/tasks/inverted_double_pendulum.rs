@@ -114,12 +114,15 @@ impl env::Task for Task {
         };
         let angles = &data.qpos[1..];
         let clipped = data.qvel.iter().chain(&data.qfrc_constraint[..forces]);
+        let sines = angles.iter().map(|angle| libm::sin_cos(*angle).0);
+        let cosines = angles.iter().map(|angle| libm::sin_cos(*angle).1);
+        let clipped = clipped.map(|x| x.clamp(-LIMIT, LIMIT));
         data.qpos[..1]
             .iter()
             .copied()
-            .chain(angles.iter().map(|angle| libm::sin_cos(*angle).0))
-            .chain(angles.iter().map(|angle| libm::sin_cos(*angle).1))
-            .chain(clipped.map(|x| x.clamp(-LIMIT, LIMIT)))
+            .chain(sines)
+            .chain(cosines)
+            .chain(clipped)
     }
 
     fn info(&self, _: &Simulation, _: &Data, step: Option<&Step>, visit: Visit<'_>) {

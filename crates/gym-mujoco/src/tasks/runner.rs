@@ -56,16 +56,11 @@ pub struct Step {
 
 impl<C> Runner<C> {
     fn is_healthy(&self, data: &Data) -> bool {
-        let Settings {
-            healthy_state_range,
-            healthy_z_range,
-            healthy_angle_range,
-            ..
-        } = &self.settings;
+        let settings = &self.settings;
         let mut state = data.qpos[2..].iter().chain(&data.qvel);
-        state.all(|x| healthy_state_range.contains_strictly(*x))
-            && healthy_z_range.contains_strictly(data.qpos[1])
-            && healthy_angle_range.contains_strictly(data.qpos[2])
+        state.all(|x| settings.healthy_state_range.contains_strictly(*x))
+            && settings.healthy_z_range.contains_strictly(data.qpos[1])
+            && settings.healthy_angle_range.contains_strictly(data.qpos[2])
     }
 }
 
@@ -119,10 +114,8 @@ impl<C: RunnerArguments> env::Task for Runner<C> {
 
     fn observe(&self, _simulation: &Simulation, data: &Data) -> impl Iterator<Item = f64> {
         let skip = usize::from(self.settings.exclude_positions);
-        let velocities = data
-            .qvel
-            .iter()
-            .map(|v| v.clamp(-VELOCITY_LIMIT, VELOCITY_LIMIT));
+        let velocities = data.qvel.iter();
+        let velocities = velocities.map(|v| v.clamp(-VELOCITY_LIMIT, VELOCITY_LIMIT));
         data.qpos.iter().skip(skip).copied().chain(velocities)
     }
 

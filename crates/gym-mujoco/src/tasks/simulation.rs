@@ -95,11 +95,8 @@ impl Simulation {
     /// The action space: the ranges of the controls.
     pub(super) fn action_space(&self) -> Result<Space> {
         let bounds = |k: usize| {
-            self.model
-                .actuator_ctrlrange
-                .iter()
-                .map(|range| range[k] as f32)
-                .collect::<Vec<_>>()
+            let ranges = self.model.actuator_ctrlrange.iter();
+            ranges.map(|range| range[k] as f32).collect::<Vec<_>>()
         };
         Ok(BoxSpace::new(bounds(0), bounds(1))?.into())
     }

@@ -45,8 +45,7 @@ impl Camera {
     pub(super) fn around(
         lookat: Vec3,
         distance: f64,
-        azimuth: f64,
-        elevation: f64,
+        [azimuth, elevation]: [f64; 2],
         fovy: f64,
         size: [f64; 2],
     ) -> Self {
@@ -70,7 +69,7 @@ impl Camera {
         let distance = norm(to).max(1e-6);
         let azimuth = libm::atan2(to[1], to[0]).to_degrees();
         let elevation = libm::atan2(to[2], (to[0] * to[0] + to[1] * to[1]).sqrt()).to_degrees();
-        Self::around(target, distance, azimuth, elevation, fovy, size)
+        Self::around(target, distance, [azimuth, elevation], fovy, size)
     }
 
     /// The distance of a point along the viewing direction.
@@ -159,7 +158,8 @@ mod tests {
     #[test]
     fn the_free_camera_sees_points_where_mujocos_does() {
         for (lookat, [distance, azimuth, elevation], expected) in SEEN {
-            let camera = Camera::around(lookat, distance, azimuth, elevation, 45.0, [480.0, 360.0]);
+            let camera =
+                Camera::around(lookat, distance, [azimuth, elevation], 45.0, [480.0, 360.0]);
             for (point, expected) in [[0.1, 0.0, 0.7], [-0.5, 0.3, 0.2], [1.0, 0.1, 0.0]]
                 .iter()
                 .zip(expected)

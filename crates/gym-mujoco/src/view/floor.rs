@@ -75,10 +75,8 @@ pub(super) fn draw(scene: &Scene<'_>, g: usize, canvas: &mut dyn Canvas) {
 
     // squares are small for a small model
     let far = camera.pos[2] - height;
-    let square = [0.05, 0.1, 0.25, 0.5, 1.0, 2.0, 5.0]
-        .into_iter()
-        .find(|s| *s * 10.0 >= far)
-        .unwrap_or(10.0);
+    let mut squares = [0.05, 0.1, 0.25, 0.5, 1.0, 2.0, 5.0].into_iter();
+    let square = squares.find(|s| *s * 10.0 >= far).unwrap_or(10.0);
     let reach = square * SQUARES as f64;
     let center = [camera.focus[0], camera.focus[1]].map(|x| (x / square).floor() as i64);
     let corner = |i: i64, j: i64| [i as f64 * square, j as f64 * square, height];
@@ -134,11 +132,7 @@ fn on_screen(polygon: &[Point], [width, height]: [f64; 2]) -> bool {
 
 /// Draws the shadows of all shapes under a light straight above, in one shade.
 pub(super) fn shadows(scene: &Scene<'_>, height: f64, canvas: &mut dyn Canvas) {
-    let Scene {
-        camera,
-        model,
-        data,
-    } = scene;
+    let (camera, model, data) = (&scene.camera, scene.model, scene.data);
     if camera.pos[2] <= height {
         return;
     }
@@ -213,11 +207,7 @@ fn solid_outline(model: &Model, data: &Data, g: usize, height: f64) -> [Vec3; CO
 
 /// Draws a bounded plane that is not the floor, if the camera is on the side of its normal.
 pub(super) fn wall(scene: &Scene<'_>, g: usize, canvas: &mut dyn Canvas) {
-    let Scene {
-        camera,
-        model,
-        data,
-    } = scene;
+    let (camera, model, data) = (&scene.camera, scene.model, scene.data);
     let (center, mat, size) = (data.geom_xpos[g], &data.geom_xmat[g], model.geom_size[g]);
     let normal = column(mat, 2);
     if dot(normal, sub(camera.pos, center)) <= 0.0 {

@@ -142,13 +142,8 @@ impl View {
         let data = initial(model);
         let own = match (&arguments.camera_name, arguments.camera_id) {
             (Some(name), _) => Some(model.camera_id(name).ok_or_else(|| {
-                let names: Vec<&str> = model
-                    .names
-                    .camera
-                    .iter()
-                    .flatten()
-                    .map(|name| &**name)
-                    .collect();
+                let names = model.names.camera.iter().flatten();
+                let names: Vec<&str> = names.map(|name| &**name).collect();
                 Error::argument(
                     "camera_name",
                     format!(
@@ -200,14 +195,8 @@ impl View {
                 if let Some(body) = follows {
                     lookat = [data.xpos[*body][0], data.xpos[*body][1], lookat[2]];
                 }
-                Camera::around(
-                    lookat,
-                    config.distance,
-                    config.azimuth,
-                    config.elevation,
-                    FOVY,
-                    size,
-                )
+                let angles = [config.azimuth, config.elevation];
+                Camera::around(lookat, config.distance, angles, FOVY, size)
             }
             Mount::Own(own) => own.camera(data, size),
         }
@@ -223,10 +212,10 @@ impl View {
             floor::draw(scene, g, canvas);
             floor::shadows(scene, data.geom_xpos[g][2], canvas);
         }
-        for g in geoms
+        let mut walls = geoms
             .clone()
-            .filter(|g| is_wall(model, *g) && floor != Some(*g))
-        {
+            .filter(|g| is_wall(model, *g) && floor != Some(*g));
+        for g in walls.by_ref() {
             floor::wall(scene, g, canvas);
         }
         shapes::strings(scene, canvas);
@@ -334,9 +323,8 @@ fn free(model: &Model, data: &Data, config: &CameraConfig) -> Result<Mount> {
     };
     let numbers = [config.distance, config.azimuth, config.elevation];
     if !numbers.iter().chain(&config.lookat).all(|x| x.is_finite()) || config.distance <= 0.0 {
-        return Err(wrong(
-            "the distance must be positive, and all numbers finite",
-        ));
+        let reason = "the distance must be positive, and all numbers finite";
+        return Err(wrong(reason));
     }
     Ok(Mount::Free { config, follows })
 }

@@ -34,11 +34,7 @@ pub(super) fn nearness(scene: &Scene<'_>, g: usize) -> f64 {
 
 /// Draws a geom.
 pub(super) fn draw(scene: &Scene<'_>, g: usize, canvas: &mut dyn Canvas) {
-    let Scene {
-        camera,
-        model,
-        data,
-    } = scene;
+    let (camera, model, data) = (&scene.camera, scene.model, scene.data);
     let color = color_of(model, g);
     let [radius, half, _] = model.geom_size[g];
     let center = data.geom_xpos[g];
@@ -70,11 +66,7 @@ pub(super) fn marker(scene: &Scene<'_>, s: usize, canvas: &mut dyn Canvas) {
 pub(super) fn strings(scene: &Scene<'_>, canvas: &mut dyn Canvas) {
     const RADIUS: f64 = 0.003; // MuJoCo's default `width`
     const COLOR: Color = Color::rgb(128, 128, 128);
-    let Scene {
-        camera,
-        model,
-        data,
-    } = scene;
+    let (camera, model, data) = (&scene.camera, scene.model, scene.data);
     let site = |w: usize| match model.wrap_type[w] {
         WrapType::Site => usize::try_from(model.wrap_objid[w]).ok(),
         _ => None,
@@ -98,12 +90,8 @@ fn round(camera: &Camera, ends: [Vec3; 2], radius: f64, color: Color, canvas: &m
     let centers = ends.map(|end| camera.project(end));
     let radii = ends.map(|end| camera.pixels(radius, end));
     // a dark outline separates the shape from its background
-    outline(
-        centers,
-        radii.map(|r| r + 0.6),
-        blend(shade(color, 0.0), Color::BLACK, 0.35),
-        canvas,
-    );
+    let dark = blend(shade(color, 0.0), Color::BLACK, 0.35);
+    outline(centers, radii.map(|r| r + 0.6), dark, canvas);
     for layer in 0..LAYERS {
         let t = layer as f64 / (LAYERS - 1) as f64;
         let shrink = 1.0 - 0.86 * t;
@@ -160,10 +148,8 @@ pub(super) fn lit(color: Color, normal: Vec3) -> Color {
 
 /// The colour of a layer of a round shape: `t` is 0 for the outermost, 1 for the innermost.
 pub(super) fn shade(color: Color, t: f64) -> Color {
-    let (dark, bright) = (
-        blend(color, Color::rgb(16, 18, 34), 0.52),
-        blend(color, Color::WHITE, 0.22),
-    );
+    let dark = blend(color, Color::rgb(16, 18, 34), 0.52);
+    let bright = blend(color, Color::WHITE, 0.22);
     if t < 0.6 {
         blend(dark, color, (t / 0.6).sqrt())
     } else {

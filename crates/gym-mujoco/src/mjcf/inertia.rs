@@ -148,13 +148,8 @@ pub(super) fn combine(parts: &[Inertia], revision: Revision) -> Option<Inertia> 
     });
     let mut total = [0.0; 6];
     for part in parts {
-        let turned = inertia_at(
-            (),
-            part.moments,
-            &InTurn::quat_to_mat(part.quat),
-            [0.0; 3],
-            part.mass,
-        );
+        let mat = InTurn::quat_to_mat(part.quat);
+        let turned = inertia_at((), part.moments, &mat, [0.0; 3], part.mass);
         let [x, y, z] = std::array::from_fn(|i| part.pos[i] - pos[i]);
         let m = part.mass;
         let shift = [

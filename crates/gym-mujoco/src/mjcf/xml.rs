@@ -153,10 +153,9 @@ impl<'a, 'input> Element<'a, 'input> {
     /// Refuses child elements, and attributes that were not read.
     pub(super) fn finish_without_children(self) -> Result<()> {
         if let Some(child) = self.children()?.first() {
-            return Err(child.error(format!(
-                "not supported within <{}>, which has no elements",
-                self.name()
-            )));
+            let within = self.name();
+            let reason = format!("not supported within <{within}>, which has no elements");
+            return Err(child.error(reason));
         }
         self.finish()
     }
@@ -166,15 +165,12 @@ impl<'a, 'input> Element<'a, 'input> {
         let Some(attribute) = self.unread.first() else {
             return Ok(());
         };
-        let known = if self.known.is_empty() {
-            "none".to_owned()
-        } else {
-            self.known.join(", ")
+        let known = match self.known.join(", ") {
+            none if none.is_empty() => "none".to_owned(),
+            known => known,
         };
-        Err(self.at(
-            attribute,
-            format!("not supported: the attributes that are, are {known}"),
-        ))
+        let reason = format!("not supported: the attributes that are, are {known}");
+        Err(self.at(attribute, reason))
     }
 
     /// An error about this element.
@@ -185,9 +181,9 @@ impl<'a, 'input> Element<'a, 'input> {
     /// The error of a child element that is not supported.
     pub(super) fn unsupported(&self, child: &Self, supported: &[&str]) -> Error {
         let within = self.name();
+        let these = supported.join(", ");
         child.error(format!(
-            "not supported within <{within}>, where these are: {}",
-            supported.join(", ")
+            "not supported within <{within}>, where these are: {these}"
         ))
     }
 
@@ -246,10 +242,8 @@ impl<'a, 'input> Element<'a, 'input> {
             Some((_, meaning)) => Ok(Some(*meaning)),
             None => {
                 let words: Vec<&str> = words.iter().map(|(word, _)| *word).collect();
-                Err(self.at(
-                    &attribute,
-                    format!("{value:?} is not supported: use {}", words.join(", ")),
-                ))
+                let reason = format!("{value:?} is not supported: use {}", words.join(", "));
+                Err(self.at(&attribute, reason))
             }
         }
     }
@@ -356,10 +350,10 @@ impl<'a, 'input> Element<'a, 'input> {
         let number = number.and_then(|number| T::try_from(number).ok());
         match number {
             Some(number) => Ok(Some(number)),
-            None => Err(self.at(
-                &attribute,
-                format!("{value:?} is not a whole number in range"),
-            )),
+            None => {
+                let reason = format!("{value:?} is not a whole number in range");
+                Err(self.at(&attribute, reason))
+            }
         }
     }
 

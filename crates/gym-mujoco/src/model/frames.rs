@@ -102,10 +102,8 @@ pub(super) fn bodies(m: &CompiledModel) -> Vec<Body> {
         usize::try_from(first).map_or(0..0, |first| first..first + number)
     };
     let body = |b: usize| {
-        let (parent, joints) = (
-            m.body_parentid[b],
-            range(m.body_jntadr[b], m.body_jntnum[b]),
-        );
+        let parent = m.body_parentid[b];
+        let joints = range(m.body_jntadr[b], m.body_jntnum[b]);
         let base = match usize::try_from(m.body_mocapid[b]) {
             _ if joints.len() == 1 && m.jnt_type[joints.start] == JointType::Free => Base::Free,
             Ok(mocap) => Base::Mocap(mocap),

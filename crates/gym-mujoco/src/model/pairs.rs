@@ -138,10 +138,8 @@ impl Plan {
                             geoms == [g1, g2] || geoms == [g2, g1]
                         });
                         if meet != 0 && !known {
-                            push(
-                                &mut pairs,
-                                self.pair(m, [g1, g2], &Figures::mixed(m, [g1, g2]))?,
-                            )?;
+                            let figures = Figures::mixed(m, [g1, g2]);
+                            push(&mut pairs, self.pair(m, [g1, g2], &figures)?)?;
                         }
                     }
                 }

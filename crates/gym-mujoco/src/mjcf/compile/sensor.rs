@@ -39,12 +39,7 @@ fn object_of(
     let Some(target) = target else {
         return Ok((ObjectType::Unknown, -1));
     };
-    let id = named(
-        m,
-        &sensor.place,
-        target.attribute,
-        target.kind,
-        &target.name,
-    )?;
+    let (place, name) = (&sensor.place, &target.name);
+    let id = named(m, place, target.attribute, target.kind, name)?;
     Ok((target.kind, id as i32))
 }

@@ -103,11 +103,8 @@ pub(crate) type Sequence = [(usize, bool); 3];
 
 impl Compiler {
     pub(crate) fn read(&mut self, mut element: Element<'_, '_>) -> Result<()> {
-        element.set_keyword(
-            "angle",
-            &[("degree", true), ("radian", false)],
-            &mut self.degree,
-        )?;
+        let angles = [("degree", true), ("radian", false)];
+        element.set_keyword("angle", &angles, &mut self.degree)?;
         element.keyword("coordinate", &[("local", ())])?;
         let choices = [("auto", None), ("false", Some(false)), ("true", Some(true))];
         element.set_keyword("inertiafromgeom", &choices, &mut self.inertia_from_geom)?;

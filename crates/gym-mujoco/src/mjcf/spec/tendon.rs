@@ -46,10 +46,8 @@ impl Tendon {
         self.place = element.place();
         element.set_keyword("limited", &LIMITED, &mut self.limited)?;
         replace(&mut self.range, element.numbers("range")?);
-        replace_some(
-            &mut self.force_limited,
-            element.keyword("actuatorfrclimited", &LIMITED)?,
-        );
+        let limited = element.keyword("actuatorfrclimited", &LIMITED)?;
+        replace_some(&mut self.force_limited, limited);
         replace(&mut self.force_range, element.numbers("actuatorfrcrange")?);
         replace(&mut self.margin, element.number("margin")?);
         read_solref(element, "solreflimit", &mut self.solref)?;

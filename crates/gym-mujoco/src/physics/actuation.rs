@@ -144,10 +144,7 @@ fn gain(m: &Model, d: &Data, i: usize) -> f64 {
     match m.actuator_gaintype[i] {
         GainType::Fixed => prm[0],
         GainType::Affine => prm[0] + prm[1] * length + prm[2] * velocity,
-        GainType::Muscle => {
-            let (range, acc0) = (m.actuator_lengthrange[i], m.actuator_acc0[i]);
-            muscle::gain(length, velocity, range, acc0, prm)
-        }
+        GainType::Muscle => muscle::gain(m, d, i),
     }
 }
 
@@ -158,10 +155,7 @@ fn bias(m: &Model, d: &Data, i: usize) -> f64 {
     match m.actuator_biastype[i] {
         BiasType::None => 0.0,
         BiasType::Affine => prm[0] + prm[1] * length + prm[2] * velocity,
-        BiasType::Muscle => {
-            let (range, acc0) = (m.actuator_lengthrange[i], m.actuator_acc0[i]);
-            muscle::bias(length, range, acc0, prm)
-        }
+        BiasType::Muscle => muscle::bias(m, d, i),
     }
 }
 

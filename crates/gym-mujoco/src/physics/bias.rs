@@ -61,10 +61,8 @@ fn of_point(m: &Model, d: &Data, body: usize, point: Vec3) -> (Vec3, Vec3) {
         } else {
             d.cdof_dot[dof]
         };
-        let [x, y, z] = add(
-            add(translation(&change), cross(rotation(&change), offset)),
-            cross(rotation(axis), velocity),
-        );
+        let moves = add(translation(&change), cross(rotation(&change), offset));
+        let [x, y, z] = add(moves, cross(rotation(axis), velocity));
         let [turn_x, turn_y, turn_z] = rotation(&change);
         [x, y, z, turn_x, turn_y, turn_z]
     };
@@ -98,10 +96,8 @@ fn turned<O: Order>(m: &Model, d: &Data, constraint: &Equality, turning: Vec3) -
     let (ahead_rate, back_rate) = if m.eq_objtype[constraint.id] == ObjectType::Body {
         let data = &m.eq_data[constraint.id];
         let pose = [data[6], data[7], data[8], data[9]];
-        (
-            O::mul_quat(quat_rate(d.xquat[b1], w1), pose),
-            inverse(quat_rate(d.xquat[b2], w2)),
-        )
+        let back_rate = inverse(quat_rate(d.xquat[b2], w2));
+        (O::mul_quat(quat_rate(d.xquat[b1], w1), pose), back_rate)
     } else {
         (quat_rate(ahead, w1), inverse(quat_rate(inverse(back), w2)))
     };

@@ -39,12 +39,8 @@ pub(crate) fn com_pos_of<N: Number>(m: &Model, at: N::Place, numbers: Inertias<'
     // slices of equal length let the compiler check an index once for all of them
     let n = m.nbody();
     let bodies = &m.plan().bodies[..n];
-    let (xipos, ximat, com, cinert) = (
-        &numbers.xipos[..n],
-        &numbers.ximat[..n],
-        &mut numbers.subtree_com[..n],
-        &mut numbers.cinert[..n],
-    );
+    let (xipos, ximat) = (&numbers.xipos[..n], &numbers.ximat[..n]);
+    let (com, cinert) = (&mut numbers.subtree_com[..n], &mut numbers.cinert[..n]);
     for b in 0..n {
         let part = scale(get::<N, 3>(at, &xipos[b]), bodies[b].mass);
         put(at, part, &mut com[b]);
@@ -72,10 +68,8 @@ pub(crate) fn com_pos_of<N: Number>(m: &Model, at: N::Place, numbers: Inertias<'
     let cdof = numbers.cdof;
     for (j, joint) in m.plan().joints.iter().enumerate() {
         let (b, i) = (joint.body, joint.dof);
-        let offset = sub(
-            get::<N, 3>(at, &com[joint.root]),
-            get(at, &numbers.xanchor[j]),
-        );
+        let centre = get::<N, 3>(at, &com[joint.root]);
+        let offset = sub(centre, get(at, &numbers.xanchor[j]));
         let axis = get::<N, 3>(at, &numbers.xaxis[j]);
         match joint.kind {
             JointType::Free => {

@@ -230,14 +230,9 @@ fn saturated(m: &Model, d: &Data, i: usize) -> bool {
 
 /// The derivative of an actuator's gain by its velocity.
 fn gain_slope(m: &Model, d: &Data, i: usize) -> f64 {
-    let prm = &m.actuator_gainprm[i].0;
     match m.actuator_gaintype[i] {
-        GainType::Affine => prm[2],
-        GainType::Muscle => {
-            let (length, velocity) = (d.actuator_length[i], d.actuator_velocity[i]);
-            let (range, acc0) = (m.actuator_lengthrange[i], m.actuator_acc0[i]);
-            muscle::gain_slope(length, velocity, range, acc0, prm)
-        }
+        GainType::Affine => m.actuator_gainprm[i].0[2],
+        GainType::Muscle => muscle::gain_slope(m, d, i),
         GainType::Fixed => 0.0,
     }
 }

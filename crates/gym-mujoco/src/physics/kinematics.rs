@@ -115,10 +115,8 @@ fn in_order<N: Number, O: Order>(
                 Base::Parent => {
                     let parent = body.parent;
                     let parent_quat = get::<N, 4>(at, &xquat[parent]);
-                    pos = add(
-                        rotate(&get::<N, 9>(at, &xmat[parent]), body.pos),
-                        get::<N, 3>(at, &xpos[parent]),
-                    );
+                    let moved = rotate(&get::<N, 9>(at, &xmat[parent]), body.pos);
+                    pos = add(moved, get::<N, 3>(at, &xpos[parent]));
                     quat = if body.turned {
                         O::mul_quat(parent_quat, body.quat)
                     } else {

@@ -3,24 +3,22 @@
 //! activation and deactivation, and the width of the transition between them.
 
 use super::spatial::MINVAL;
+use crate::{Data, Model};
 
 /// The peak force, and the optimal fibre length.
-fn scales(range: [f64; 2], acc0: f64, prm: &[f64; 10]) -> (f64, f64) {
-    let force = if prm[2] < 0.0 {
-        prm[3] / f64::max(MINVAL, acc0)
-    } else {
-        prm[2]
+fn scales(m: &Model, i: usize, prm: &[f64; 10]) -> (f64, f64) {
+    let [least, most] = m.actuator_lengthrange[i];
+    let force = match prm[2] {
+        force if force < 0.0 => prm[3] / f64::max(MINVAL, m.actuator_acc0[i]),
+        force => force,
     };
-    (
-        force,
-        (range[1] - range[0]) / f64::max(MINVAL, prm[1] - prm[0]),
-    )
+    (force, (most - least) / f64::max(MINVAL, prm[1] - prm[0]))
 }
 
 /// The active force at an activation of 1: MuJoCo's `mju_muscleGain`.
-pub(super) fn gain(length: f64, velocity: f64, range: [f64; 2], acc0: f64, prm: &[f64; 10]) -> f64 {
-    let (scale, v, _) = contraction(length, velocity, range, acc0, prm);
-    let fvmax = prm[8];
+pub(super) fn gain(m: &Model, d: &Data, i: usize) -> f64 {
+    let (scale, v, _) = contraction(m, d, i);
+    let fvmax = m.actuator_gainprm[i].0[8];
     let y = fvmax - 1.0;
     let by_velocity = if v <= -1.0 {
         0.0
@@ -35,15 +33,9 @@ pub(super) fn gain(length: f64, velocity: f64, range: [f64; 2], acc0: f64, prm: 
 }
 
 /// The derivative of [`gain`] by the velocity: MuJoCo's `mjd_muscleGain_vel`.
-pub(super) fn gain_slope(
-    length: f64,
-    velocity: f64,
-    range: [f64; 2],
-    acc0: f64,
-    prm: &[f64; 10],
-) -> f64 {
-    let (scale, v, fastest) = contraction(length, velocity, range, acc0, prm);
-    let y = prm[8] - 1.0;
+pub(super) fn gain_slope(m: &Model, d: &Data, i: usize) -> f64 {
+    let (scale, v, fastest) = contraction(m, d, i);
+    let y = m.actuator_gainprm[i].0[8] - 1.0;
     let slope = if v <= -1.0 || v > f64::max(0.0, y) {
         0.0
     } else if v <= 0.0 {
@@ -56,22 +48,15 @@ pub(super) fn gain_slope(
 
 /// Returns the force at a velocity factor of 1, the velocity divided by the maximum velocity, and
 /// the maximum velocity.
-fn contraction(
-    length: f64,
-    velocity: f64,
-    range: [f64; 2],
-    acc0: f64,
-    prm: &[f64; 10],
-) -> (f64, f64, f64) {
-    let (force, optimum) = scales(range, acc0, prm);
+fn contraction(m: &Model, d: &Data, i: usize) -> (f64, f64, f64) {
+    let prm = &m.actuator_gainprm[i].0;
+    let (force, optimum) = scales(m, i, prm);
     let [lmin, lmax, vmax] = [prm[4], prm[5], prm[6]];
-    let l = prm[0] + (length - range[0]) / f64::max(MINVAL, optimum);
+    let moved = d.actuator_length[i] - m.actuator_lengthrange[i][0];
+    let l = prm[0] + moved / f64::max(MINVAL, optimum);
     let fastest = f64::max(MINVAL, optimum * vmax);
-    (
-        -force * length_curve(l, lmin, lmax),
-        velocity / fastest,
-        fastest,
-    )
+    let scale = -force * length_curve(l, lmin, lmax);
+    (scale, d.actuator_velocity[i] / fastest, fastest)
 }
 
 /// The force-length curve: four parabolas from `lmin` to `lmax`, with the maximum at 1.
@@ -97,10 +82,12 @@ fn length_curve(l: f64, lmin: f64, lmax: f64) -> f64 {
 }
 
 /// The passive force: MuJoCo's `mju_muscleBias`.
-pub(super) fn bias(length: f64, range: [f64; 2], acc0: f64, prm: &[f64; 10]) -> f64 {
-    let (force, optimum) = scales(range, acc0, prm);
+pub(super) fn bias(m: &Model, d: &Data, i: usize) -> f64 {
+    let prm = &m.actuator_biasprm[i].0;
+    let (force, optimum) = scales(m, i, prm);
     let (lmax, fpmax) = (prm[5], prm[7]);
-    let l = prm[0] + (length - range[0]) / f64::max(MINVAL, optimum);
+    let moved = d.actuator_length[i] - m.actuator_lengthrange[i][0];
+    let l = prm[0] + moved / f64::max(MINVAL, optimum);
     let b = 0.5 * (1.0 + lmax);
     let part = |x: f64| x / f64::max(MINVAL, b - 1.0);
     if l <= 1.0 {

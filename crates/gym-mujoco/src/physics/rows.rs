@@ -57,10 +57,8 @@ pub(super) fn orientations<O: Order>(m: &Model, d: &Data, constraint: &Equality)
         (O::mul_quat(d.xquat[ids[0]], pose), inverse(d.xquat[ids[1]]))
     } else {
         let [b1, b2] = constraint.bodies;
-        (
-            O::mul_quat(d.xquat[b1], m.site_quat[ids[0]]),
-            inverse(O::mul_quat(d.xquat[b2], m.site_quat[ids[1]])),
-        )
+        let back = inverse(O::mul_quat(d.xquat[b2], m.site_quat[ids[1]]));
+        (O::mul_quat(d.xquat[b1], m.site_quat[ids[0]]), back)
     }
 }
 

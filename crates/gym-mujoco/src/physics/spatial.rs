@@ -187,17 +187,10 @@ pub(crate) trait Order {
     /// The quaternion after a rotation at a constant angular velocity, given in the frame of the
     /// quaternion: MuJoCo's `mju_quatIntegrate`.
     #[inline(always)]
-    fn quat_integrate<N: Number>(
-        place: N::Place,
-        q: [N; 4],
-        velocity: [N; 3],
-        time: f64,
-    ) -> [N; 4] {
-        let (axis, speed) = unit(place, velocity);
-        Self::mul_quat(
-            Self::normalize_quat(place, q),
-            axis_angle(place, axis, speed * time),
-        )
+    fn quat_integrate<N: Number>(at: N::Place, q: [N; 4], velocity: [N; 3], time: f64) -> [N; 4] {
+        let (axis, speed) = unit(at, velocity);
+        let turn = axis_angle(at, axis, speed * time);
+        Self::mul_quat(Self::normalize_quat(at, q), turn)
     }
 }
 
@@ -335,20 +328,16 @@ pub(crate) fn add_to<N: Number + Mul<S, Output = N>, S: Copy>(a: &mut [N; 6], b:
 #[inline(always)]
 pub(crate) fn cross_motion<N: Number>(v: &[N; 6], s: &[N; 6]) -> [N; 6] {
     let w = rotation(v);
-    join(
-        cross(w, rotation(s)),
-        add(cross(w, translation(s)), cross(translation(v), rotation(s))),
-    )
+    let moves = add(cross(w, translation(s)), cross(translation(v), rotation(s)));
+    join(cross(w, rotation(s)), moves)
 }
 
 /// Cross product of a motion and a force: MuJoCo's `mju_crossForce`.
 #[inline(always)]
 pub(crate) fn cross_force<N: Number>(v: &[N; 6], f: &[N; 6]) -> [N; 6] {
     let w = rotation(v);
-    join(
-        add(cross(w, rotation(f)), cross(translation(v), translation(f))),
-        cross(w, translation(f)),
-    )
+    let torque = add(cross(w, rotation(f)), cross(translation(v), translation(f)));
+    join(torque, cross(w, translation(f)))
 }
 
 /// The momentum of the inertia `i` that moves with `v`: MuJoCo's `mju_mulInertVec`.

@@ -62,10 +62,8 @@ pub(super) fn wrap(
         let height = (points[1][2] - points[0][2]).abs();
         arc = (arc * arc + height * height).sqrt();
     }
-    Some((
-        arc,
-        points.map(|point| add(rotate(geom.mat, point), geom.pos)),
-    ))
+    let points = points.map(|point| add(rotate(geom.mat, point), geom.pos));
+    Some((arc, points))
 }
 
 /// Two axes of the plane through the centre and two points.

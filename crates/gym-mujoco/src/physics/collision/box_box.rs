@@ -5,7 +5,7 @@
 use super::super::spatial::{
     MINVAL, Mat3, Vec3, add, add_scaled, dot, normalize, rotate, rotate_back, scale, sub,
 };
-use super::{Hit, Shape};
+use super::{Hit, Push, Shape};
 
 /// Added to the margin in the separation test, beside a slack that grows with the boxes.
 const SEPARATION: f64 = 1e-13;
@@ -41,7 +41,7 @@ struct Boxes<'a> {
     slack: f64,
 }
 
-pub(super) fn box_box(a: Shape<'_>, b: Shape<'_>, margin: f64, push: &mut impl FnMut(Hit)) {
+pub(super) fn box_box(a: Shape<'_>, b: Shape<'_>, margin: f64, push: Push<'_>) {
     let rot: Mat3 = std::array::from_fn(|n| {
         let (i, j) = (n / 3, n % 3);
         a.mat[i] * b.mat[j] + a.mat[3 + i] * b.mat[3 + j] + a.mat[6 + i] * b.mat[6 + j]
@@ -146,7 +146,7 @@ impl Boxes<'_> {
     }
 
     /// Adds a contact in the middle between the nearest points of two edges.
-    fn edges(&self, i: usize, j: usize, push: &mut impl FnMut(Hit)) {
+    fn edges(&self, i: usize, j: usize, push: Push<'_>) {
         let (s1, s2, rot) = (self.a.size, self.b.size, &self.rot);
         let [[i1, i2], [j1, j2]] = [i, j].map(|k| [(k + 1) % 3, (k + 2) % 3]);
         let mut axis = self.edge_axis(i, j);
@@ -201,7 +201,7 @@ impl Boxes<'_> {
 
     /// Clips the incident face of one box against the reference face of the other box, and adds a
     /// contact at each corner of the result.
-    fn faces(&self, a: usize, first: bool, push: &mut impl FnMut(Hit)) {
+    fn faces(&self, a: usize, first: bool, push: Push<'_>) {
         let (reference, incident, at) = if first {
             (&self.a, &self.b, self.pos21)
         } else {

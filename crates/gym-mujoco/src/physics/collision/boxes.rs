@@ -3,15 +3,10 @@
 use super::super::spatial::{
     MINVAL, Vec3, add, add_scaled, dot, normalize, rotate, rotate_back, scale, sub,
 };
-use super::{Hit, Shape, spheres};
+use super::{Hit, Push, Shape, spheres};
 
 /// Contacts at the lowest corners, at most four.
-pub(super) fn plane_box(
-    plane: Shape<'_>,
-    cuboid: Shape<'_>,
-    margin: f64,
-    push: &mut impl FnMut(Hit),
-) {
+pub(super) fn plane_box(plane: Shape<'_>, cuboid: Shape<'_>, margin: f64, push: Push<'_>) {
     let normal = plane.axis();
     let height = dot(sub(cuboid.pos, plane.pos), normal);
     let mut count = 0;
@@ -40,7 +35,7 @@ pub(super) fn sphere_box(
     (centre, radius): (Vec3, f64),
     cuboid: Shape<'_>,
     margin: f64,
-    push: &mut impl FnMut(Hit),
+    push: Push<'_>,
 ) {
     let size = cuboid.size;
     let center = rotate_back(cuboid.mat, sub(centre, cuboid.pos));
@@ -81,12 +76,7 @@ pub(super) fn sphere_box(
 }
 
 /// The contact with the side, an end or the rim of the cylinder, whichever is nearest.
-pub(super) fn sphere_cylinder(
-    sphere: Shape<'_>,
-    cylinder: Shape<'_>,
-    margin: f64,
-    push: &mut impl FnMut(Hit),
-) {
+pub(super) fn sphere_cylinder(sphere: Shape<'_>, cylinder: Shape<'_>, margin: f64, push: Push<'_>) {
     let (axis, &[radius, half, _]) = (cylinder.axis(), cylinder.size);
     let vec = sub(sphere.pos, cylinder.pos);
     let x = dot(axis, vec);
@@ -103,7 +93,7 @@ pub(super) fn sphere_cylinder(
     }
     let sphere_radius = sphere.size[0];
     let axes = (sphere.axis(), axis);
-    let point = |centre: Vec3, radius: f64, push: &mut dyn FnMut(Hit)| {
+    let point = |centre: Vec3, radius: f64, push: Push<'_>| {
         if let Some(hit) = spheres(sphere.pos, sphere_radius, centre, radius, axes, margin) {
             push(hit);
         }

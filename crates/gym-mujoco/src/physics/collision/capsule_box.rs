@@ -3,7 +3,7 @@
 
 use super::super::spatial::{MINVAL, Vec3, add, add_scaled, dot, rotate, rotate_back, scale, sub};
 use super::boxes::sphere_box;
-use super::{Hit, Shape};
+use super::{Push, Shape};
 
 /// The part of the box that is nearest to the segment.
 #[derive(Clone, Copy)]
@@ -30,12 +30,7 @@ struct Segment {
     signs: usize,
 }
 
-pub(super) fn capsule_box(
-    capsule: Shape<'_>,
-    cuboid: Shape<'_>,
-    margin: f64,
-    push: &mut impl FnMut(Hit),
-) {
+pub(super) fn capsule_box(capsule: Shape<'_>, cuboid: Shape<'_>, margin: f64, push: Push<'_>) {
     let &[radius, length, _] = capsule.size;
     let axis = rotate_back(cuboid.mat, capsule.axis());
     let half = scale(axis, length);

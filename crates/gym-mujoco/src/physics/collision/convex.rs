@@ -8,7 +8,7 @@ use super::super::spatial::{
 };
 use super::epa::Polytope;
 use super::gjk::{self, Vertex};
-use super::{Hit, Shape, frame};
+use super::{Hit, Push, Shape, frame};
 use crate::Revision;
 use crate::model::GeomType;
 
@@ -92,7 +92,7 @@ pub(super) fn contacts(
     margin: f64,
     apart: f64,
     polytope: &mut Polytope,
-    push: &mut impl FnMut(Hit),
+    push: Push<'_>,
 ) {
     let mut one = |a: Solid<'_>, b: Solid<'_>| {
         one(a, b, margin, Revision::V3_12, polytope).map(|touch| touch.hit(margin))
@@ -132,10 +132,8 @@ fn turned(shape: Shape<'_>, about: Vec3, turn: &Mat3) -> (Vec3, Mat3) {
     let columns = [0, 1, 2].map(|k| rotate(turn, column(shape.mat, k)));
     let offset = sub(about, shape.pos);
     let moved = sub(rotate(turn, offset), offset);
-    (
-        sub(shape.pos, moved),
-        std::array::from_fn(|k| columns[k % 3][k / 3]),
-    )
+    let mat = std::array::from_fn(|k| columns[k % 3][k / 3]);
+    (sub(shape.pos, moved), mat)
 }
 
 /// Returns the deepest points of two shapes; `None` without a contact.
@@ -198,10 +196,8 @@ pub(super) fn one(
 
     let whole = |direction: Vec3| {
         let back = scale(direction, -1.0);
-        Vertex::new(
-            grow(a.support(direction), direction),
-            grow(b.support(back), back),
-        )
+        let first = grow(a.support(direction), direction);
+        Vertex::new(first, grow(b.support(back), back))
     };
     let found = gjk::distance(centers, 0.0, revision, &whole);
     if found.distance > gjk::TOLERANCE || found.separated {
@@ -271,10 +267,8 @@ fn cylinder_support(cylinder: Shape<'_>, direction: Vec3) -> (Vec3, u8) {
         s * local[1],
         if local[2] >= 0.0 { half } else { -half },
     ];
-    (
-        add(rotate(cylinder.mat, point), cylinder.pos),
-        u8::from(point[2] < 0.0),
-    )
+    let place = add(rotate(cylinder.mat, point), cylinder.pos);
+    (place, u8::from(point[2] < 0.0))
 }
 
 /// The point of an ellipsoid furthest in a direction.
@@ -297,7 +291,7 @@ pub(super) fn plane_ellipsoid(
     ellipsoid: Shape<'_>,
     margin: f64,
     revision: Revision,
-    push: &mut impl FnMut(Hit),
+    push: Push<'_>,
 ) {
     let normal = plane.axis();
     let down = scale(normal, -1.0);
@@ -313,10 +307,7 @@ pub(super) fn plane_ellipsoid(
     };
     let dist = dot(normal, sub(lowest, plane.pos));
     if dist <= margin {
-        push(Hit::new(
-            dist,
-            add_scaled(lowest, normal, -0.5 * dist),
-            normal,
-        ));
+        let pos = add_scaled(lowest, normal, -0.5 * dist);
+        push(Hit::new(dist, pos, normal));
     }
 }

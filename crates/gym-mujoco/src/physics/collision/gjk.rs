@@ -409,10 +409,8 @@ pub(super) fn weights_at(
         Revision::V3_12 => whole,
         Revision::V4_0 => parts[0] + parts[1] + parts[2],
     };
-    (
-        parts.map(|part| part / sum),
-        parts.map(|part| same_sign(whole, part)),
-    )
+    let signs = parts.map(|part| same_sign(whole, part));
+    (parts.map(|part| part / sum), signs)
 }
 
 /// The weights of a triangle's corners. If the area is zero, versions before 4.0 use the first
@@ -469,11 +467,8 @@ fn tetrahedron([a, b, c, d]: [Vec3; 4], revision: Revision) -> [f64; 4] {
     let beyond = faces.into_iter().zip(inside).filter(|(_, inside)| !inside);
     for (([p, q, r], corners), _) in beyond {
         let weights = triangle(p, q, r, revision);
-        let nearest = add_scaled(
-            add_scaled(scale(p, weights[0]), q, weights[1]),
-            r,
-            weights[2],
-        );
+        let nearest = add_scaled(scale(p, weights[0]), q, weights[1]);
+        let nearest = add_scaled(nearest, r, weights[2]);
         let square = dot(nearest, nearest);
         if square < best.1 {
             best = (spread(weights, corners), square);

@@ -5,7 +5,7 @@
 use super::super::spatial::{
     MINVAL, Vec3, add, add_scaled, cross, dot, norm, normalize, scale, sub,
 };
-use super::Hit;
+use super::Push;
 use super::convex::{Solid, Touch, one};
 use super::epa::Polytope;
 use super::features::{Dimension, Edge, Face, Few, edges, faces, outline};
@@ -41,7 +41,7 @@ pub(super) fn contacts(
     b: Solid<'_>,
     margin: f64,
     polytope: &mut Polytope,
-    push: &mut impl FnMut(Hit),
+    push: Push<'_>,
 ) {
     let Some(touch) = one(a, b, margin, Revision::V4_0, polytope) else {
         return;
@@ -130,11 +130,8 @@ fn find_incidence(solids: [Solid<'_>; 2], touch: &Touch) -> Option<Incidence> {
         if spans[with_edge].number == 3 || found[with_face].is_empty() {
             continue;
         }
-        let edges = edges(
-            solids[with_edge],
-            &spans[with_edge],
-            touch.points[with_edge],
-        );
+        let point = touch.points[with_edge];
+        let edges = edges(solids[with_edge], &spans[with_edge], point);
         for face in found[with_face].iter() {
             if dot(face.normal, outward[with_face]) <= MINVAL {
                 continue;

@@ -54,15 +54,17 @@ struct Hit {
     tangent: Vec3,
 }
 
+/// Takes the contacts of two geoms.
+type Push<'a> = &'a mut dyn FnMut(Hit);
+
 impl Hit {
-    /// A contact whose first tangent is of no matter.
+    /// A contact without a preferred direction of the first tangent.
     fn new(dist: f64, pos: Vec3, normal: Vec3) -> Self {
-        let tangent = [0.0; 3];
         Self {
             dist,
             pos,
             normal,
-            tangent,
+            ..Self::default()
         }
     }
 }

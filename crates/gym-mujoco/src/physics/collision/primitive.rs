@@ -4,7 +4,7 @@ use super::super::number::Number;
 use super::super::spatial::{
     MINVAL, Vec3, add, add_scaled, column, cross, dot, norm, normalize, scale, sub,
 };
-use super::{Hit, Shape, spheres};
+use super::{Hit, Push, Shape, spheres};
 use crate::Revision;
 
 /// The distance of a sphere from a plane, and their contact point.
@@ -38,24 +38,14 @@ fn plane_point(
     })
 }
 
-pub(super) fn plane_sphere(
-    plane: Shape<'_>,
-    sphere: Shape<'_>,
-    margin: f64,
-    push: &mut impl FnMut(Hit),
-) {
+pub(super) fn plane_sphere(plane: Shape<'_>, sphere: Shape<'_>, margin: f64, push: Push<'_>) {
     let hit = plane_point(plane, sphere.pos, sphere.size[0], [0.0; 3], margin);
     hit.into_iter().for_each(push);
 }
 
 /// Contacts of the capsule's ends as spheres, first the end at +z; the tangent is the capsule's
 /// axis.
-pub(super) fn plane_capsule(
-    plane: Shape<'_>,
-    capsule: Shape<'_>,
-    margin: f64,
-    push: &mut impl FnMut(Hit),
-) {
+pub(super) fn plane_capsule(plane: Shape<'_>, capsule: Shape<'_>, margin: f64, push: Push<'_>) {
     let (axis, &[radius, half, _]) = (capsule.axis(), capsule.size);
     for end in [half, -half] {
         let centre = add_scaled(capsule.pos, axis, end);
@@ -66,12 +56,7 @@ pub(super) fn plane_capsule(
 
 /// Contacts at the lowest point of the nearer rim, at the opposite point of the other rim, and at
 /// two more points of the nearer rim, so that a cylinder can stand.
-pub(super) fn plane_cylinder(
-    plane: Shape<'_>,
-    cylinder: Shape<'_>,
-    margin: f64,
-    push: &mut impl FnMut(Hit),
-) {
+pub(super) fn plane_cylinder(plane: Shape<'_>, cylinder: Shape<'_>, margin: f64, push: Push<'_>) {
     let normal = plane.axis();
     let &[radius, half, _] = cylinder.size;
     let mut axis = cylinder.axis();
@@ -95,11 +80,8 @@ pub(super) fn plane_cylinder(
     let center = cylinder.pos;
     let mut point = |place: Vec3, dist: f64| {
         if dist <= margin {
-            push(Hit::new(
-                dist,
-                add_scaled(place, normal, -dist * 0.5),
-                normal,
-            ));
+            let pos = add_scaled(place, normal, -dist * 0.5);
+            push(Hit::new(dist, pos, normal));
         }
         dist <= margin
     };
@@ -114,18 +96,13 @@ pub(super) fn plane_cylinder(
     }
 }
 
-pub(super) fn sphere_sphere(a: Shape<'_>, b: Shape<'_>, margin: f64, push: &mut impl FnMut(Hit)) {
+pub(super) fn sphere_sphere(a: Shape<'_>, b: Shape<'_>, margin: f64, push: Push<'_>) {
     let axes = (a.axis(), b.axis());
     let hit = spheres(a.pos, a.size[0], b.pos, b.size[0], axes, margin);
     hit.into_iter().for_each(push);
 }
 
-pub(super) fn sphere_capsule(
-    sphere: Shape<'_>,
-    capsule: Shape<'_>,
-    margin: f64,
-    push: &mut impl FnMut(Hit),
-) {
+pub(super) fn sphere_capsule(sphere: Shape<'_>, capsule: Shape<'_>, margin: f64, push: Push<'_>) {
     let (axis, &[radius, half, _]) = (capsule.axis(), capsule.size);
     let along = dot(axis, sub(sphere.pos, capsule.pos)).clamp(-half, half);
     let nearest = add_scaled(capsule.pos, axis, along);
@@ -141,7 +118,7 @@ pub(super) fn capsule_capsule(
     b: Shape<'_>,
     margin: f64,
     revision: Revision,
-    push: &mut impl FnMut(Hit),
+    push: Push<'_>,
 ) {
     let mut test = |c1: Vec3, c2: Vec3| {
         let hit = spheres(c1, a.size[0], c2, b.size[0], (a.axis(), b.axis()), margin);

@@ -122,10 +122,8 @@ impl Worlds {
             self.contact_forces(m, world);
         }
         let a = &self.arrays;
-        let (after, before) = (
-            [&a.qpos, &a.qvel, &a.warm],
-            [&a.qpos_before, &a.qvel_before, &a.warm_before],
-        );
+        let after = [&a.qpos, &a.qvel, &a.warm];
+        let before = [&a.qpos_before, &a.qvel_before, &a.warm_before];
         let state = after.into_iter().chain(before).flatten();
         let derived = reads.iter().flat_map(|array| array.of(a));
         for (x, row) in record.iter_mut().zip(state.chain(derived)) {

@@ -480,10 +480,8 @@ impl Newton {
                 }
             }
             let which = load::<S>(at, &which).gt(zero);
-            let masks = (
-                Lanes::<S>::but_not(which, indefinite),
-                load::<S>(at, &adds).gt(zero),
-            );
+            let adds = load::<S>(at, &adds).gt(zero);
+            let masks = (Lanes::<S>::but_not(which, indefinite), adds);
             let (factor, x) = (&mut self.hessian, &mut self.row_update);
             indefinite |= cholesky_update(at, n, factor, x, masks, MINVAL);
         }

@@ -353,13 +353,8 @@ impl Rows {
         };
         let mut contacts = std::mem::take(&mut self.contacts[world]);
         let first = contacts.len();
-        touch(
-            m,
-            index,
-            (frames, inertial),
-            &mut self.polytope,
-            &mut contacts,
-        );
+        let (polytope, places) = (&mut self.polytope, (frames, inertial));
+        touch(m, index, places, polytope, &mut contacts);
         for contact in &mut contacts[first..] {
             if contact.dist >= contact.includemargin || pair.trees == [None, None] {
                 continue;

@@ -126,11 +126,9 @@ impl Arrays {
         if fixed(m, body) {
             return number::of(at, [0.0; 6]);
         }
-        transform_motion(
-            &number::get::<Lanes<S>, 6>(at, &self.cvel[body]),
-            number::get(at, pos),
-            number::get(at, &self.subtree_com[m.body_rootid[body]]),
-        )
+        let com = number::get(at, &self.subtree_com[m.body_rootid[body]]);
+        let velocity = number::get::<Lanes<S>, 6>(at, &self.cvel[body]);
+        transform_motion(&velocity, number::get(at, pos), com)
     }
 
     /// Returns the angular and linear velocity of a site, in the site's axes.

@@ -53,10 +53,8 @@ pub(super) fn solve(m: &Model, d: &mut Data) {
     let mut warm = cost(b, &jar);
     b.jar = jar;
     for i in 0..m.nv() {
-        let (force, a) = (
-            b.ma_start[i] - d.qfrc_smooth[i],
-            d.qacc_warmstart[i] - d.qacc_smooth[i],
-        );
+        let force = b.ma_start[i] - d.qfrc_smooth[i];
+        let a = d.qacc_warmstart[i] - d.qacc_smooth[i];
         warm += 0.5 * force * a;
     }
     let cold = warm > cost(b, &efc.b) || m.opt.disables(Disable::WarmStart);
@@ -72,10 +70,8 @@ pub(super) fn solve(m: &Model, d: &mut Data) {
         d.qacc[dofs.clone()].copy_from_slice(&d.qacc_smooth[dofs]);
     }
     for island in &work.islands {
-        let (trees, blocks) = (
-            &work.island_trees[island.trees.clone()],
-            &work.island_blocks[island.blocks.clone()],
-        );
+        let trees = &work.island_trees[island.trees.clone()];
+        let blocks = &work.island_blocks[island.blocks.clone()];
         let n = trees.iter().map(|&tree| m.plan().trees[tree].len()).sum();
         let mut problem = Problem {
             m,
@@ -193,10 +189,8 @@ impl Problem<'_> {
     #[inline(always)]
     fn mul_m(&self, way: &mut Way, x: &[Lanes], y: &mut [Lanes]) {
         for (dofs, place) in self.places() {
-            let (x, y) = (
-                &x.as_flattened()[place.clone()],
-                &mut y.as_flattened_mut()[place],
-            );
+            let x = &x.as_flattened()[place.clone()];
+            let y = &mut y.as_flattened_mut()[place];
             mul_m_tree(self.m, self.qm, &dofs, way, x, y);
         }
     }
@@ -453,13 +447,8 @@ fn update_hessian(problem: &Problem<'_>, b: &mut Buffers) -> bool {
             for (x, jac) in b.row_update.iter_mut().zip(problem.row(row)) {
                 *x = times(*jac, root);
             }
-            definite = cholesky::update(
-                &mut b.hessian,
-                problem.n,
-                problem.stride,
-                &mut b.row_update,
-                pushes,
-            );
+            let (n, stride, x) = (problem.n, problem.stride, &mut b.row_update);
+            definite = cholesky::update(&mut b.hessian, n, stride, x, pushes);
         }
     }
     definite
@@ -478,13 +467,8 @@ fn add_cones(problem: &Problem<'_>, b: &mut Buffers) {
             for r in c..cone.dim {
                 add_scaled(&mut b.row_update, problem.row(cone.row + r), local[r][c]);
             }
-            cholesky::update(
-                &mut b.with_cones,
-                problem.n,
-                problem.stride,
-                &mut b.row_update,
-                true,
-            );
+            let (n, stride, x) = (problem.n, problem.stride, &mut b.row_update);
+            cholesky::update(&mut b.with_cones, n, stride, x, true);
         }
     }
 }
@@ -541,9 +525,6 @@ pub(super) fn search(problem: &Problem<'_>, b: &mut Buffers, scale: f64) -> (f64
         quadratic: 0.5 * dot(&b.search, &b.mv, n),
         evaluations: 0,
     };
-    line_search(
-        along,
-        opt.tolerance * opt.ls_tolerance * length / scale,
-        opt.ls_iterations,
-    )
+    let flat = opt.tolerance * opt.ls_tolerance * length / scale;
+    line_search(along, flat, opt.ls_iterations)
 }

@@ -183,10 +183,8 @@ pub(super) fn project(m: &Model, d: &Data, s: &mut Buffers) {
         .enumerate()
     {
         if rows.len() == 4 * width {
-            let ((a, b), (c, e)) = (
-                rows[..2 * width].split_at(width),
-                rows[2 * width..].split_at(width),
-            );
+            let (first, last) = rows.split_at(2 * width);
+            let ((a, b), (c, e)) = (first.split_at(width), last.split_at(width));
             let elements = a.iter().zip(b).zip(c.iter().zip(e));
             for (half, ((a, b), (c, e))) in s.half.chunks_exact_mut(stride).zip(elements) {
                 half[g] = [*a, *b, *c, *e];
@@ -313,11 +311,8 @@ fn iterate(m: &Model, d: &Data, s: &mut Buffers, scale: f64) -> usize {
     // use slices: otherwise the compiler loads the vectors' addresses again after each write to
     // `force`
     let (steps, ar) = (&s.steps[..n], &s.ar[..nefc * stride]);
-    let (force, before, momentum) = (
-        &mut s.force[..stride],
-        &mut s.before[..n],
-        &mut s.momentum[..n],
-    );
+    let force = &mut s.force[..stride];
+    let (before, momentum) = (&mut s.before[..n], &mut s.momentum[..n]);
     let (order, next_order) = (&mut s.order[..n], &mut s.next_order[..n]);
     let mut k = 0.0;
     for iteration in 0..m.opt.iterations {

@@ -140,15 +140,8 @@ impl RowCosts<'_> {
                 for j in 1..dim {
                     force[i + j] = -force[i] / t * u[j] * friction[j - 1];
                 }
-                cone_hessian(
-                    &u,
-                    mu / t,
-                    (mu * n / (t * t * t), mu * n / t),
-                    dim,
-                    mu,
-                    friction,
-                    dm,
-                )
+                let bends = (mu * n / (t * t * t), mu * n / t);
+                cone_hessian(&u, mu / t, bends, dim, mu, friction, dm)
             }
             Revision::V4_0 => {
                 // the unit vector of the sliding direction

@@ -237,10 +237,8 @@ impl env::Task for Task {
         // in version 4 with contact costs, Gymnasium stores the contact cost under the key
         // `reward_ctrl`
         let is_contact = self.version == 4 && self.forces_cost;
-        visit(
-            "reward_ctrl",
-            -if is_contact { step.contact } else { step.ctrl },
-        );
+        let cost = if is_contact { step.contact } else { step.ctrl };
+        visit("reward_ctrl", -cost);
         if self.version != 4 {
             visit("reward_contact", -step.contact);
         }

@@ -100,15 +100,11 @@ gym_core::arguments! {
 
 impl Common {
     /// The default values of a task's model, frame skip and camera.
-    pub(super) fn new(
-        xml_file: &str,
-        frame_skip: usize,
-        default_camera_config: CameraConfig,
-    ) -> Self {
+    pub(super) fn new(xml_file: &str, frame_skip: usize, camera: CameraConfig) -> Self {
         Self {
             xml_file: xml_file.to_owned(),
             frame_skip,
-            default_camera_config,
+            default_camera_config: camera,
             ..Self::default()
         }
     }

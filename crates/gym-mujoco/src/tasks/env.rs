@@ -371,12 +371,8 @@ impl<T: Task> Env for MujocoEnv<T> {
             return;
         };
         let common = self.arguments.1.as_ref();
-        simulation.view.draw(
-            &simulation.model,
-            data,
-            (common.width, common.height),
-            canvas,
-        );
+        let (view, size) = (&simulation.view, (common.width, common.height));
+        view.draw(&simulation.model, data, size, canvas);
     }
 
     fn depth(&self, size: (u32, u32)) -> Option<Vec<f32>> {

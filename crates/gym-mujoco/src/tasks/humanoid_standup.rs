@@ -113,10 +113,8 @@ impl env::Task for Task {
         if self.version >= 5 {
             visit("x_position", data.qpos[0]);
             visit("y_position", data.qpos[1]);
-            visit(
-                "z_distance_from_origin",
-                data.qpos[2] - simulation.model.qpos0[2],
-            );
+            let height = data.qpos[2] - simulation.model.qpos0[2];
+            visit("z_distance_from_origin", height);
         }
         if let Some(step) = step {
             visit("reward_linup", step.up);

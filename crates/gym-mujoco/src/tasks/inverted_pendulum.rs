@@ -84,11 +84,8 @@ impl env::Task for Task {
         let finite = data.qpos.iter().chain(&data.qvel).all(|x| x.is_finite());
         let terminated = !finite || data.qpos[1].abs() > MAX_ANGLE;
         let survive = f64::from(!terminated);
-        (
-            Step { survive },
-            if self.version >= 5 { survive } else { 1.0 },
-            terminated,
-        )
+        let reward = if self.version >= 5 { survive } else { 1.0 };
+        (Step { survive }, reward, terminated)
     }
 
     fn observe(&self, _simulation: &Simulation, data: &Data) -> impl Iterator<Item = f64> {

@@ -87,10 +87,8 @@ impl Task {
     fn distances(&self, data: &Data) -> (f64, f64) {
         let object = data.xpos[self.object];
         let to = |body: usize| {
-            norm(
-                self.version,
-                &std::array::from_fn::<f64, 3, _>(|k| object[k] - data.xpos[body][k]),
-            )
+            let apart: [f64; 3] = std::array::from_fn(|k| object[k] - data.xpos[body][k]);
+            norm(self.version, &apart)
         };
         (to(self.tips), to(self.goal))
     }
@@ -138,10 +136,8 @@ impl env::Task for Task {
         } else {
             before
         };
-        let (near, distance) = (
-            near * self.config.reward_near_weight,
-            distance * self.config.reward_dist_weight,
-        );
+        let near = near * self.config.reward_near_weight;
+        let distance = distance * self.config.reward_dist_weight;
         let ctrl = self.cost.of(action);
         let reward = -distance - ctrl - near;
         // before version 5, `info` has the cost without the weight

@@ -47,15 +47,14 @@ impl Serialize for Range {
 impl<'de> Deserialize<'de> for Range {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
         let [low, high]: [Option<f64>; 2] = Deserialize::deserialize(deserializer)?;
-        let range = Self::new(
+        let (low, high) = (
             low.unwrap_or(f64::NEG_INFINITY),
             high.unwrap_or(f64::INFINITY),
         );
+        let range = Self::new(low, high);
         if range.low > range.high {
-            return Err(serde::de::Error::custom(format!(
-                "the range {} to {} is empty",
-                range.low, range.high
-            )));
+            let reason = format!("the range {low} to {high} is empty");
+            return Err(serde::de::Error::custom(reason));
         }
         Ok(range)
     }

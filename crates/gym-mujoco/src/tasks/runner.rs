@@ -122,10 +122,8 @@ impl<C: RunnerArguments> env::Task for Runner<C> {
     fn info(&self, simulation: &Simulation, data: &Data, step: Option<&Step>, visit: Visit<'_>) {
         if self.version >= 5 {
             visit("x_position", data.qpos[0]);
-            visit(
-                "z_distance_from_origin",
-                data.qpos[1] - simulation.model.qpos0[1],
-            );
+            let height = data.qpos[1] - simulation.model.qpos0[1];
+            visit("z_distance_from_origin", height);
         }
         let Some(step) = step else { return };
         if matches!(self.version, 3 | 4) {

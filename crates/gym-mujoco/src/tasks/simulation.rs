@@ -135,10 +135,8 @@ impl Simulation {
         if there_are >= at_least {
             return Ok(());
         }
-        Err(Error::argument(
-            "xml_file",
-            format!("the model has {there_are} {what}, the task needs {at_least}"),
-        ))
+        let reason = format!("the model has {there_are} {what}, the task needs {at_least}");
+        Err(Error::argument("xml_file", reason))
     }
 }
 

@@ -63,11 +63,8 @@ pub(super) fn draw(scene: &Scene<'_>, g: usize, canvas: &mut dyn Canvas) {
     if !visible {
         return;
     }
-    let light = blend(
-        super::rgba(scene.model.geom_rgba[g]),
-        Color::rgb(206, 216, 226),
-        0.6,
-    );
+    let color = super::rgba(scene.model.geom_rgba[g]);
+    let light = blend(color, Color::rgb(206, 216, 226), 0.6);
     let dark = blend(light, Color::rgb(70, 92, 124), 0.32);
     let [width, picture_height] = camera.size;
     let horizon = horizon(camera).clamp(0.0, picture_height);

@@ -300,9 +300,9 @@ fn free(model: &Model, data: &Data, config: &CameraConfig) -> Result<Mount> {
         Some(id @ 1..) => match usize::try_from(id).ok().filter(|id| *id < model.nbody()) {
             Some(id) => Some(id),
             None => {
+                let number = model.nbody();
                 return Err(wrong(&format!(
-                    "trackbodyid {id}: the model has {} bodies",
-                    model.nbody()
+                    "trackbodyid {id}: the model has {number} bodies"
                 )));
             }
         },

@@ -117,10 +117,8 @@ fn outline([a, b]: [Point; 2], [ra, rb]: [f64; 2], color: Color, canvas: &mut dy
     }
     // at these angles, the circles' common tangents touch the circles
     let turn = libm::atan2(along[1], along[0]);
-    let slope = libm::atan2(
-        (ra - rb) / distance,
-        (1.0 - ((ra - rb) / distance).powi(2)).max(0.0).sqrt(),
-    );
+    let sine = (ra - rb) / distance;
+    let slope = libm::atan2(sine, (1.0 - sine.powi(2)).max(0.0).sqrt());
     let quarter = std::f64::consts::FRAC_PI_2;
     let points: [Point; 2 * ARC] = std::array::from_fn(|i| {
         let (center, radius, from, to) = if i < ARC {

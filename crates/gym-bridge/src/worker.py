@@ -1,8 +1,8 @@
 """Serves one Python environment over the pipes that the Rust side opened: requests on file 0, replies on file 1.
 
-A frame is its length (4 bytes, little endian) and that many bytes. A request is an operation (1 byte) and values; a reply
-is 0 and values, or 1 and a dict that describes an exception. Values have the form that `wire.rs` documents. The numbers of a
-large array are not copied into the reply: they are written to the pipe from the array's memory.
+A frame is its length (4 bytes, little endian) and that many bytes. A request is an operation (1 byte) and values; a
+reply is 0 and values, or 1 and a dict that describes an exception. Values have the form that `wire.rs` documents. The
+numbers of a large array are not copied into the reply: they are written to the pipe from the array's memory.
 """
 import copy
 import importlib

@@ -25,7 +25,7 @@ PAIRS = 5
 
 
 def actions(n, count):
-    """The numbers that the examples draw."""
+    """Iterates over `n` random actions: the same actions as in the Rust examples."""
     random = 1
     for _ in range(n):
         random = (random * 1664525 + 1013904223) & 0xFFFFFFFF

@@ -14,7 +14,7 @@ import tempfile
 import time
 import warnings
 
-os.sched_setaffinity(0, {min(os.sched_getaffinity(0))})  # and with it all that is started from here
+os.sched_setaffinity(0, {min(os.sched_getaffinity(0))})  # also for the processes that this script starts
 os.environ.setdefault("XLA_FLAGS", "--xla_cpu_multi_thread_eigen=false intra_op_parallelism_threads=1")
 warnings.filterwarnings("ignore")
 
@@ -25,10 +25,10 @@ import numpy as np
 gymnasium.logger.min_level = gymnasium.logger.ERROR
 
 N = 1024
-SMALL = {"CarRacing-v3": 16}  # sub-environments where a step takes long
+SMALL = {"CarRacing-v3": 16}  # fewer sub-environments for slow environments
 BOX2D_N = 64
 SLICES = 5
-FRAMES = 500  # of a GIF
+FRAMES = 500  # frames of the GIF
 
 CLASSIC = ["CartPole-v1", "MountainCar-v0", "MountainCarContinuous-v0", "Pendulum-v1", "Acrobot-v1"]
 TOY_TEXT = ["Blackjack-v1", "CliffWalking-v1", "FrozenLake-v1", "Taxi-v4"]
@@ -38,7 +38,7 @@ GYMNAX = ["CartPole-v1", "MountainCar-v0", "MountainCarContinuous-v0", "Pendulum
 
 
 def best(round_, steps, seconds):
-    """Steps per second of the best slice; `round_` does so many steps."""
+    """The steps per second of the fastest slice. A call of `round_` takes `steps` steps."""
     round_()
     rates = []
     for _ in range(SLICES):
@@ -84,7 +84,7 @@ def gymnasium_vector(env_id, num_envs, seconds):
 
 
 def our_gif():
-    """Seconds and bytes of a GIF."""
+    """The seconds that a GIF takes here, and its bytes."""
     with tempfile.NamedTemporaryFile(suffix=".json") as out:
         command = ["cargo", "xtask", "bench", "CartPole-v1"]
         command += ["--kind", "frames", "--gif", "--seconds", "0.1", "--json", out.name]
@@ -94,7 +94,7 @@ def our_gif():
 
 
 def moviepy_gif():
-    """The same frames: episodes of random actions, each from its own seed."""
+    """The same for moviepy, with the same frames: episodes of random actions, each from its own seed."""
     from moviepy import ImageSequenceClip
 
     with tempfile.NamedTemporaryFile(suffix=".gif") as out:
@@ -146,10 +146,10 @@ def gymnax_vector(env_id, num_envs, seconds):
 
 
 def attempt(measure, *arguments):
-    """A number, or None where a library does not have the environment."""
+    """The result of `measure`, or None if the library does not have the environment."""
     try:
         return measure(*arguments)
-    except Exception as error:  # each library has its own
+    except Exception as error:  # each library raises an exception of its own
         print(f"  ({measure.__name__} of {arguments[0]}: {type(error).__name__}: {str(error)[:100]})")
         return None
 

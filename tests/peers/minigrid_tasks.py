@@ -12,7 +12,7 @@ from timing import best, many, one
 
 import envpool
 import gymnasium
-import minigrid  # registers its tasks
+import minigrid  # the import registers minigrid's tasks
 import numpy as np
 import rustgym
 

@@ -20,7 +20,7 @@ gymnasium.logger.min_level = gymnasium.logger.ERROR
 TASKS = ["InvertedPendulum", "InvertedDoublePendulum", "Reacher", "Swimmer", "HalfCheetah", "Hopper", "Walker2d", "Ant", "Pusher"]
 TASKS += ["Humanoid", "HumanoidStandup"]
 STEPS = 1000
-# arrays of the state in the order in which a forward call makes them
+# the arrays that a forward call computes, in the order of its stages
 STAGES = {
     "kinematics": ["xanchor", "xaxis", "xpos", "xquat", "xmat", "xipos", "ximat", "geom_xpos", "geom_xmat", "site_xpos", "site_xmat"],
     "com": ["subtree_com", "cinert", "cdof"],
@@ -39,14 +39,14 @@ def same(a, b):
 
 
 def play(task, version):
-    """The first step with another observation, reward or end, or None; and the states of Gymnasium's episode."""
+    """The first step with another observation, reward or end (None for no step), and Gymnasium's states."""
     theirs, ours = gymnasium.make(f"{task}-v5"), rustgym.make(f"{task}-v5", mujoco=version)
     theirs.action_space.seed(0)
     first, states, data = None, [], theirs.unwrapped.data
 
     def compare(step, a, b):
         nonlocal first
-        # the observation; of a step, reward and ends too
+        # resets return the observation; steps also return reward and ends
         equal = same(a[0], b[0]) and (len(a) == 2 or a[1:4] == b[1:4])
         first = step if first is None and not equal else first
 
@@ -62,7 +62,7 @@ def play(task, version):
 
 
 def stages(task, version, states):
-    """How many states each stage differs in, by its first array that does."""
+    """For each stage with differences: the first array that differs, and the number of states in which one differs."""
     theirs, ours = gymnasium.make(f"{task}-v5").unwrapped, rustgym.make(f"{task}-v5", mujoco=version).unwrapped
     ours.reset(seed=0)
     found = {}

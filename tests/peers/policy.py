@@ -15,7 +15,7 @@ import rustgym
 
 
 def load(path):
-    """The policy of a file: its environment's spec, and a function from an observation to the best action."""
+    """Reads a policy file: the environment's spec, and a function from an observation to the best action."""
     with open(path, encoding="utf-8") as file:
         stored = json.load(file)
     moments = next(iter(stored["normalization"]["moments"].values()))

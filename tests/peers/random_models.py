@@ -49,7 +49,7 @@ class Writer:
         return self.rng.rand() < probability
 
     def some(self, **attributes):
-        """Some of the attributes; each value is a text, or a function that draws one."""
+        """A random selection of the attributes. Each value is a text, or a function that draws a text."""
         chosen = [(name, value) for name, value in attributes.items() if self.chance()]
         return "".join(f' {name}="{value() if callable(value) else value}"' for name, value in chosen)
 
@@ -265,7 +265,7 @@ class Writer:
 
 
 def episode(text, seed):
-    """The states after certain steps by libmujoco, or None for a model that it refuses or whose motion it resets."""
+    """The states after certain steps by libmujoco; None if it refuses the model, or if the motion diverges."""
     try:
         model = mujoco.MjModel.from_xml_string(text)
         data, rng, states = mujoco.MjData(model), np.random.RandomState(seed), {}
@@ -279,13 +279,13 @@ def episode(text, seed):
                 states[str(step)] = {name: getattr(data, name).tolist() for name in ("qpos", "qvel", "act", "sensordata")}
     except (ValueError, mujoco.FatalError):
         return None
-    # a motion without bounds multiplies differences in the last bit
+    # a diverging motion amplifies differences in the last bit
     calm = not data.warning.number.any() and np.abs(data.qvel).max(initial=0) < 1e4
     return states if calm else None
 
 
 def difference(expected, found):
-    """None for equal states, else the first mark with a difference and the largest difference there."""
+    """The first step at which states differ, and the largest difference at that step; None for equal states."""
     for mark, state in expected.items():
         pairs = [(np.array(state[name], float), np.array(found[mark][name], float)) for name in state]
         if any(a.tobytes() != b.tobytes() for a, b in pairs):
@@ -298,7 +298,7 @@ def main():
     rng, version, root = np.random.RandomState(seed), mujoco.__version__, pathlib.Path.cwd()
     with tempfile.TemporaryDirectory() as folder:
         files, out = [], pathlib.Path(folder) / "out"
-        os.chdir(folder)  # MuJoCo writes its warnings there
+        os.chdir(folder)  # MuJoCo writes its warnings to the current folder
         while len(files) < number:
             text = Writer(rng).model()
             if states := episode(text, seed):

@@ -1,4 +1,4 @@
-"""What the scripts beside it share: rates by CPU time on one core. Import it before numpy, which then starts no threads."""
+"""Rates by CPU time on one core, for the scripts in this folder. Import it before numpy, to disable threads."""
 
 import os
 
@@ -10,7 +10,7 @@ import time
 
 
 def rate(step, at_once, seconds=0.5, calls=20):
-    """Steps per CPU second in one slice of time; a call of `step` takes `at_once` of them."""
+    """The steps per CPU second in one slice of time. A call of `step` takes `at_once` steps."""
     done, start = 0, time.process_time()
     while (elapsed := time.process_time() - start) < seconds:
         for _ in range(calls):
@@ -20,13 +20,13 @@ def rate(step, at_once, seconds=0.5, calls=20):
 
 
 def best(works, rounds=6, **slices):
-    """The best rate of each work, a pair of `step` and `at_once`, over rounds in which they take turns."""
+    """The best rate of each work, a pair of `step` and `at_once`. In each round, every work runs once."""
     rounds = [[rate(*work, **slices) for work in works] for _ in range(rounds)]
     return list(map(max, zip(*rounds)))
 
 
 def one(env, actions):
-    """A step of an environment, and a reset where an episode ends; returns the observation."""
+    """Returns a function that steps an environment, or resets it after the end of an episode."""
     env.reset(seed=0)
     actions = itertools.cycle(actions)
 
@@ -38,12 +38,12 @@ def one(env, actions):
 
 
 def many(envs, actions):
-    """A step of a vector."""
+    """Returns a function that steps a vector."""
     envs.reset()
     actions = itertools.cycle(actions)
     return lambda: envs.step(next(actions))
 
 
 def shown(rate):
-    """`12 k`, `1.2 k`, `120`."""
+    """A rate as text, such as `12 k`, `1.2 k` or `120`."""
     return f"{rate / 1000:.{0 if rate >= 10_000 else 1}f} k" if rate >= 1000 else f"{rate:.0f}"

@@ -150,8 +150,8 @@ fn steps_of_native_vectors_of_worlds_do_not_allocate() {
 
 #[test]
 fn frames_of_pygame_do_not_allocate() {
-    // the other environments have art of our own, which `tiny-skia` draws, or tiles, which are
-    // collected for each frame
+    // the other environments do not draw with pygame's calls: `tiny-skia` draws them, or they
+    // collect tiles for each frame
     let is_pygame = |registration: &&Registration| {
         let others = ["gym-control", "gym-mujoco", "gym-toytext", "gym-minigrid"];
         !others.contains(&registration.source.package)

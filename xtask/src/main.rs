@@ -4,12 +4,12 @@
 //! One build cannot serve all commands, because this workspace takes long to build, and longer with
 //! optimisation or with rapier2d. Therefore this program has few dependencies, and builds
 //! `commands` in several ways:
-//! - Commands that play are built with optimisation, and those that measure with all of it; `list`,
-//!   `help` and `new` without any, unless those that play are there.
-//! - The first demo is built in two parts: the GIFs of the small families appear while the others
-//!   are compiled.
-//! - `play` is built with windows, `conform` with the allocator that counts; rapier2d is built for
-//!   what asks for it.
+//! - Commands that play are built with optimisation, and commands that measure with the most.
+//!   `list`, `help` and `new` are built without, unless the optimised program exists.
+//! - The first demo is built in two parts: the GIFs of the small families appear while the other
+//!   families are compiled.
+//! - `play` is built with windows, and `conform` with a counting allocator. rapier2d is built only
+//!   for commands that use its ids.
 //! - `web` builds the gallery for the browser, and is part of this program.
 
 #[path = "../../crates/gym-cli/src/collision.rs"]

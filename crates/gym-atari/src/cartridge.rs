@@ -400,7 +400,8 @@ impl Banks {
         self.windows = [start, start + 0x400, start + 0x800, start + 0xc00];
     }
 
-    /// The upper half of the registers is not to be read.
+    /// Reads a register of the chip. The registers of the upper half can only be written; reads
+    /// return 0.
     #[inline(never)]
     fn read_dpc(&mut self, low: u16, data: &[u8]) -> u8 {
         if low < dpc::REGISTERS / 2 {

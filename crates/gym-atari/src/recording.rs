@@ -151,7 +151,7 @@ impl Recording {
             self.over.len(),
             self.frame.len(),
         ];
-        // a result without an operation differs from no result
+        // up to the end of the longest list: a list may have more results than there are operations
         let longest = lists.into_iter().fold(self.ops.len(), usize::max);
         (0..longest).find_map(|i| {
             let parts = [

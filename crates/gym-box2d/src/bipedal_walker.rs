@@ -21,8 +21,8 @@
 //! | 14 to 23 | distance of the ground by lidar, from straight down to nearly ahead | 5.33 m; 1 if there is none |
 //!
 //! Differences from Gymnasium: each reset builds a new world, so an episode depends only on its
-//! seed. In Gymnasium that holds only for a new environment, with which this one agrees; on a used
-//! one the same seed can give another episode.
+//! seed. In Gymnasium, this holds only for the first episode of a new environment, which equals the
+//! episode here; in a used environment, the same seed can give another episode.
 //!
 //! The constants and the order of operations are those of Gymnasium 1.4.0,
 //! `envs/box2d/bipedal_walker.py`.

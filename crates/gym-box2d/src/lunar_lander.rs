@@ -446,7 +446,8 @@ impl Episode {
         let dispersion = [(); 2].map(|()| self.rng.uniform(-1.0, 1.0) / SCALE);
 
         if m_power > 0.0 {
-            // 4: a bit below the lander; twice the dispersion, for randomness
+            // `MAIN_ENGINE_Y_LOCATION` puts the impulse a bit below the lander; the random
+            // dispersion counts twice along the lander's axis
             let away = MAIN_ENGINE_Y_LOCATION / SCALE + 2.0 * dispersion[0];
             let ox = tip[0] * away + side[0] * dispersion[1];
             let oy = -tip[1] * away - side[1] * dispersion[1];
@@ -456,7 +457,7 @@ impl Episode {
             let away = 3.0 * dispersion[1] + direction * SIDE_ENGINE_AWAY / SCALE;
             let ox = tip[0] * dispersion[0] + side[0] * away;
             let oy = -tip[1] * dispersion[0] - side[1] * away;
-            // (17 where the height is 14, as in Gymnasium)
+            // (17, although `SIDE_ENGINE_HEIGHT` is 14, as in Gymnasium)
             let at = [
                 -(tip[0] * 17.0 / SCALE),
                 tip[1] * SIDE_ENGINE_HEIGHT / SCALE,

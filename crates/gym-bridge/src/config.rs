@@ -28,7 +28,7 @@ gym_core::arguments! {
 impl Config {
     /// Returns the id if all arguments are valid.
     pub(crate) fn check(&self) -> Result<&str> {
-        /// A year.
+        /// The longest timeout: a year.
         const LONGEST: f64 = 3.2e7; // seconds
         let wrong = |reason: &str| Err(Error::argument("`GymV26Environment-v0`", reason));
         let Some(env_id) = self.env_id.as_deref().filter(|id| !id.is_empty()) else {

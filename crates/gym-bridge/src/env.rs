@@ -25,7 +25,7 @@ pub struct PythonEnv {
     worker: State,
 }
 
-/// Whether the environment has a worker.
+/// The connection to the worker.
 #[derive(Debug)]
 enum State {
     /// A mutex, because clones and snapshots borrow the environment immutably and also send

@@ -19,8 +19,8 @@ use crate::{Config, PythonEnv};
 /// The variable that makes [`worker`] serve an environment.
 const SERVES: &str = "GYM_BRIDGE_TEST_SERVES";
 
-/// A program in the place of the interpreter: the test [`worker`], which answers on its standard
-/// input, as the harness writes to its standard output.
+/// The program that the tests use instead of Python: the test [`worker`], which replies on its
+/// standard input, because the test harness writes to its standard output.
 fn interpreter() -> PathBuf {
     static PATH: OnceLock<PathBuf> = OnceLock::new();
     let make = || {
@@ -191,7 +191,7 @@ fn calls_and_answers_arrive_whole() {
     }
 }
 
-/// A clone and a restored environment go on where the first one is, before a reset too.
+/// A clone and a restored environment continue from the state of the original, even before a reset.
 #[test]
 fn clones_and_snapshots_are_where_the_environment_is() {
     let is_needed =
@@ -222,7 +222,7 @@ fn clones_and_snapshots_are_where_the_environment_is() {
     assert!(matches!(env.snapshot(), Err(Error::Closed("snapshot"))));
 }
 
-/// A snapshot that is refused changes nothing.
+/// A refused snapshot changes nothing.
 #[test]
 fn a_snapshot_of_other_arguments_is_refused() {
     let mut env = served(3);
@@ -283,7 +283,7 @@ fn actions_that_do_not_fit_never_reach_the_worker() {
             "{action}: {error}"
         );
     }
-    // bounds are Python's to enforce, and numbers keep their type
+    // the bridge does not check bounds, and numbers keep their type
     for (steps, action) in [
         Value::from([7.0_f32, -7.0]),
         Value::from([0.1_f64, 0.2]),
@@ -299,7 +299,8 @@ fn actions_that_do_not_fit_never_reach_the_worker() {
     }
 }
 
-/// A mode that the bridge does not have is left out; a rate of frames that is no number is 30.
+/// The metadata leaves out render modes that the bridge does not support. An invalid frame rate is
+/// replaced by 30.
 #[test]
 fn metadata_is_that_of_the_worker() {
     for (limit, fps) in [(7, 7), (-1, 30), (i64::MAX, 30)] {

@@ -1,8 +1,8 @@
 """Serves one Python environment over the pipes that the Rust side opened: requests on file 0, replies on file 1.
 
-A frame is its length (4 bytes, little endian) and that many bytes. A request is an operation (1 byte) and values; a reply
-is 0 and values, or 1 and a dict that tells an exception. Values are written as `wire.rs` says. The numbers of a large array
-are not copied into the reply: they go from the array's memory to the pipe.
+A frame is its length (4 bytes, little endian) and that many bytes. A request is an operation (1 byte) and values; a
+reply is 0 and values, or 1 and a dict that describes an exception. Values have the form that `wire.rs` documents. The
+numbers of a large array are not copied into the reply: they are written to the pipe from the array's memory.
 """
 import copy
 import importlib
@@ -18,10 +18,10 @@ import threading
 NULL, FALSE, TRUE, INT, FLOAT, TEXT, ARRAY, TUPLE, DICT, GRAPH, ONE_OF = range(11)
 MAKE, RESET, STEP, RENDER, DUMP, LOAD, CLOSE = range(7)
 DTYPES = ["int8", "uint8", "int16", "uint16", "int32", "uint32", "int64", "uint64", "float32", "float64"]
-LONGEST = 1 << 30  # bytes of a frame, as in worker.rs
-LARGE = 1 << 14  # bytes of an array that is worth a write of its own
-DEEPEST = 32  # levels of lists and dicts in `info`
-MOST_PARTS = 1_000_000  # numbers, texts, arrays, lists and dicts in `info`
+LONGEST = 1 << 30  # the largest frame in bytes, as in worker.rs
+LARGE = 1 << 14  # arrays of at least this number of bytes are written without copying
+DEEPEST = 32  # the largest depth of lists and dicts in `info`
+MOST_PARTS = 1_000_000  # the largest number of numbers, texts, arrays, lists and dicts in `info`
 U32, I64, F64 = struct.Struct("<I"), struct.Struct("<q"), struct.Struct("<d")
 
 
@@ -30,18 +30,18 @@ class Refused(Exception):
 
 
 class NoForm(Exception):
-    """A Python object that has no form among the values."""
+    """A Python object that cannot be sent as a value."""
 
 
 class TooMany(NoForm):
-    """A Python object of too many parts."""
+    """A Python object with too many parts."""
 
 
 # ---- frames -----------------------------------------------------------------------------------------------------------
 
 
 def take_pipes():
-    """The pipes, away from where `print` and `input` reach."""
+    """Returns the pipes, and replaces files 0 and 1, so that `print` and `input` do not use the pipes."""
     requests, replies = os.dup(0), os.dup(1)
     os.dup2(os.open(os.devnull, os.O_RDONLY), 0)
     os.dup2(2, 1)
@@ -54,7 +54,7 @@ def read_exactly(file, count):
     while view:
         done = os.readv(file, [view])
         if not done:
-            os._exit(0)  # the other side is gone
+            os._exit(0)  # the Rust side has ended
         view = view[done:]
     return data
 
@@ -66,12 +66,12 @@ def write_all(file, data):
 
 
 class Frame(bytearray):
-    """The bytes of a reply, and the large arrays that go between them."""
+    """The bytes of a reply, and the large arrays, which are stored apart from the bytes."""
 
     def __init__(self, status):
         super().__init__((status,))
-        self.arrays = []  # pairs of a place in the bytes and the memory that goes there
-        self.parts_left = 0  # of the value that is being written
+        self.arrays = []  # for each large array: its position in the bytes, and its memory
+        self.parts_left = 0  # the number of parts that the current value may still have
 
     def put(self, array):
         """Appends the numbers of an array."""
@@ -82,7 +82,7 @@ class Frame(bytearray):
             self.arrays.append((len(self), memory))
 
     def cut(self, length):
-        """Removes everything written since the size was this."""
+        """Removes everything that was written after the first `length` bytes."""
         del self[length:]
         while self.arrays and self.arrays[-1][0] > length:
             self.arrays.pop()
@@ -91,7 +91,7 @@ class Frame(bytearray):
         return len(self) + sum(len(memory) for _, memory in self.arrays)
 
     def parts(self):
-        """The frame in pieces: its length and the bytes up to the first array, that array, and so on."""
+        """Iterates over the frame's pieces: its length and the bytes up to the first array, that array, and so on."""
         start, head = 0, U32.pack(self.size())
         for place, memory in self.arrays:
             yield head + self[start:place]
@@ -101,7 +101,7 @@ class Frame(bytearray):
 
 
 def watch(requests):
-    """Ends this process when the other side is gone, even in the middle of a step."""
+    """Ends this process when the Rust side has ended, even in the middle of a step."""
     import select
 
     if hasattr(select, "POLLRDHUP"):
@@ -165,7 +165,7 @@ def array(out, value):
     if value.dtype == bool:
         value = value.astype(np.int8)
     if value.dtype == np.float16:
-        value = value.astype(np.float32)  # which holds each of them
+        value = value.astype(np.float32)  # float32 holds every float16
     if value.dtype.name not in DTYPES:
         raise NoForm(f"an array of {value.dtype}")
     out += bytes((ARRAY, DTYPES.index(value.dtype.name), value.ndim))
@@ -183,7 +183,7 @@ def integer(out, value):
 
 
 def whole(value):
-    """A whole number, however the environment holds it."""
+    """Converts a whole number of any type to an `int`."""
     try:
         number = int(value)
         is_whole = bool(number == value)
@@ -235,7 +235,7 @@ def plain(out, value, depth=0):
             except TooMany:
                 raise
             except Exception:
-                out.cut(before)  # an object that only Python knows is left out
+                out.cut(before)  # leave out an entry that cannot be sent
         U32.pack_into(out, place, count)
     else:
         raise NoForm(type(value).__name__)
@@ -245,11 +245,11 @@ def plain(out, value, depth=0):
 
 
 KINDS = ("Box", "Discrete", "MultiDiscrete", "MultiBinary", "Text", "Tuple", "Dict", "Sequence", "Graph", "OneOf")
-FOUND = {}  # the kinds of classes
+FOUND = {}  # the kind of each class of spaces that was used
 
 
 def kind_of(space):
-    """The kind of a space, by name: gym's, Gymnasium's and those derived from them are alike."""
+    """The kind of a space, by the names of its base classes. Classes of gym and of Gymnasium count alike."""
     kind = FOUND.get(type(space))
     if kind is None:
         named = (base.__name__ for base in type(space).__mro__ if base.__name__ in KINDS)
@@ -258,7 +258,7 @@ def kind_of(space):
 
 
 def kind_of_sample(space):
-    """The kind of a space of another class, from a sample of a copy: the space's own generator stays where it is."""
+    """The kind of a space of an unknown class, by a sample of a copy: a sample advances the generator."""
     try:
         if isinstance(copy.deepcopy(space).sample(), str):
             return "AnyText"
@@ -268,7 +268,7 @@ def kind_of_sample(space):
 
 
 def bounds(numbers):
-    """The bounds of a box: one number where all are alike."""
+    """The bounds of a box; a single number if all bounds are equal."""
     numbers = np.ascontiguousarray(numbers)
     if numbers.dtype.name not in [*DTYPES, "float16", "bool"]:
         raise Refused(f"a box of {numbers.dtype} is not supported: the types are {', '.join(DTYPES)}, float16 and bool")
@@ -321,14 +321,14 @@ def describe(space):
 
 
 def is_kept(given, numbers):
-    """Whether a conversion has kept all numbers: integers exactly, and finite floats finite."""
+    """Whether a conversion kept every integer exactly, and every finite float finite."""
     if numbers.dtype.kind in "iu":
         return np.array_equal(numbers, given)
     return given.dtype.kind != "f" or numbers.itemsize >= given.itemsize or np.array_equal(np.isfinite(numbers), np.isfinite(given))
 
 
 def numbers_of(space, value):
-    """An array as an element of a space: of the space's type and shape."""
+    """Converts an observation to an array with the space's type; refuses another shape."""
     given = np.asarray(value)
     if given.dtype.kind not in "biuf":
         raise NoForm(f"it has type {given.dtype}, and the space has {np.dtype(space.dtype)}")
@@ -342,7 +342,7 @@ def numbers_of(space, value):
 
 
 def element(out, space, kind, value):
-    """Writes an element of a space in the type that the space names."""
+    """Writes an element of a space, with the numbers in the space's type."""
     if kind == "Box" or kind == "MultiDiscrete" or kind == "MultiBinary":
         array(out, numbers_of(space, value))
     elif kind == "Discrete":
@@ -399,7 +399,7 @@ def element(out, space, kind, value):
 
 
 def batch(out, space, value):
-    """Several elements of a space as one value, as `batch_space` of Gymnasium has them."""
+    """Writes a list of elements of a space as one value, in the form of Gymnasium's `batch_space`."""
     kind = kind_of(space)
     if kind == "Tuple":
         out.append(TUPLE)
@@ -422,12 +422,12 @@ def batch(out, space, value):
 
 
 def action_of(space, value):
-    """The Python form of an action that was read."""
+    """Converts a received action to the form that Python environments expect."""
     kind = kind_of(space)
     if kind == "Discrete":
         return np.int64(value)
     if kind == "Box" and np.issubdtype(space.dtype, np.floating) and space.dtype != np.float16:
-        return list(value) if isinstance(value, tuple) else value  # in the precision in which it came
+        return list(value) if isinstance(value, tuple) else value  # keep the precision of the received action
     if kind in ("Box", "MultiDiscrete", "MultiBinary"):
         return np.asarray(value, space.dtype)
     if kind == "Tuple":
@@ -458,7 +458,7 @@ def load_module(name):
 
 
 def library(name):
-    """gym or Gymnasium: the one that is named, or gym, or else Gymnasium."""
+    """Imports the library `name`; without a name, gym or, if gym is not installed, Gymnasium."""
     if name is not None:
         return load_module(name)
     for name in ("gym", "gymnasium"):
@@ -475,9 +475,9 @@ BRIEF.maxlist = BRIEF.maxtuple = BRIEF.maxdict = 100
 
 
 def shortened(form, value, limit=2000):
-    """A text of a value, which may be long and may fail."""
+    """The text of a value by `form`, which may raise; long texts are cut."""
     try:
-        # a list may hold one list in so many places that its text never ends
+        # without a limit, a list that contains another list very often would have an endless text
         text = BRIEF.repr(value) if form is repr and isinstance(value, (list, tuple, dict)) else form(value)
     except BaseException as error:
         return f"(a {type(value).__name__} whose {form.__name__} fails with {type(error).__name__})"
@@ -485,7 +485,7 @@ def shortened(form, value, limit=2000):
 
 
 def single(value):
-    """The one number in a number or an array of one; else None."""
+    """Returns `value` if it is a number, or its number if it is an array of one number; otherwise None."""
     if isinstance(value, (bool, int, float, np.bool_, np.number)):
         return value
     if isinstance(value, np.ndarray) and value.size == 1 and value.dtype.kind in "biuf":
@@ -511,7 +511,7 @@ def flag_of(name, value):
 
 
 def described_as(name, space):
-    """The description of the space of this name."""
+    """The description of a space; errors call it the `name` space."""
     try:
         return describe(space)
     except Refused as error:
@@ -522,23 +522,23 @@ def described_as(name, space):
 
 
 def size_of(space):
-    """What tells cheaply, in each step, that an environment has changed a space in its place."""
+    """A property that is cheap to compare in each step, to detect that an environment changed a space in place."""
     return getattr(space, "n", None) if kind_of(space) == "Discrete" else getattr(space, "shape", None)
 
 
 class Server:
     def __init__(self):
         self.env = None
-        self.spaces = self.made = None  # as they were told last, and first
+        self.spaces = self.made = None  # the descriptions that were sent last, and first
         self.is_asked = False
 
     def interrupt(self, number, frame):
-        """Ctrl+C reaches this process too: it interrupts the environment, not the wait for a request."""
+        """Handles Ctrl+C: interrupts a call of the environment, but not the wait for a request."""
         if self.is_asked:
             raise KeyboardInterrupt
 
     def look(self):
-        """The spaces as they are now; highway-env makes its own anew in each reset."""
+        """Reads the spaces; returns their descriptions. highway-env, for one, makes new spaces in each reset."""
         self.observation_space, self.action_space = self.env.observation_space, self.env.action_space
         described = [described_as("observation", self.observation_space), described_as("action", self.action_space)]
         self.kind = kind_of(self.observation_space)
@@ -546,7 +546,7 @@ class Server:
         return described
 
     def look_again(self):
-        """The spaces after a step may be other objects, but no other spaces: agents read them once in an episode."""
+        """Refuses spaces that a step has changed: agents read them once in an episode. Equal new objects are fine."""
         before = self.observation_space, self.action_space
         if not alike(self.look(), self.spaces):
             after = f"{self.observation_space} and {self.action_space}"
@@ -560,7 +560,7 @@ class Server:
             module, env_id = env_id.split(":", 1)
             load_module(module)
         backend = library(config["backend"])
-        # gym 0.26's checker asks numpy for a name that numpy 2 has no more
+        # the checker of gym 0.26 uses a name that numpy 2 lacks
         kwargs = {"disable_env_checker": True, **config["make_kwargs"]}
         if config["render_mode"] is not None:
             kwargs["render_mode"] = config["render_mode"]
@@ -586,7 +586,7 @@ class Server:
             raise Refused(f"`reset` returned {shortened(repr, result)}: it must return observation and info")
         observation, info = result
         spaces = self.look()
-        # entries that the other side did not take are sent again
+        # spaces that differ from the first ones are sent with each reset: the Rust side may have refused them before
         are_known = alike(spaces, self.spaces) and alike(spaces, self.made)
         plain(out, None if are_known else spaces)
         self.spaces = spaces
@@ -630,7 +630,7 @@ class Server:
     def render(self, out):
         picture = self.env.render()
         if hasattr(picture, "getvalue"):
-            picture = picture.getvalue()  # StringIO
+            picture = picture.getvalue()  # the picture is a StringIO
         if isinstance(picture, list):
             picture = picture[-1] if picture else None
         try:
@@ -701,7 +701,7 @@ def failure(error):
 
 
 def flush():
-    """The environment's output; its streams may be closed or replaced."""
+    """Writes out the environment's output. Its streams may be closed or replaced, so errors are ignored."""
     for stream in (sys.stdout, sys.stderr):
         try:
             stream.flush()
@@ -726,12 +726,12 @@ def main():
             out = server.answer(request)
         except SystemExit as error:
             out = failure(RuntimeError(f"the environment called sys.exit({shortened(repr, error.code)})"))
-        except BaseException as error:  # KeyboardInterrupt and GeneratorExit, too
+        except BaseException as error:  # including KeyboardInterrupt and GeneratorExit
             out = failure(error)
         finally:
             server.is_asked = False
         if os.getpid() != worker:
-            os._exit(1)  # a process that the environment has forked: only the worker itself answers
+            os._exit(1)  # the environment forked this process: only the worker itself replies
         for part in out.parts():
             write_all(replies, part)
         if request[0] == CLOSE:

@@ -995,7 +995,7 @@ fn recorded_episodes_come_out_equal() {
     println!("{compared} recorded environments compared");
 }
 
-/// Whether `value` equals `recorded`, which has the numbers or, for large arrays, a checksum.
+/// Whether `value` equals `recorded`, which contains the numbers or, for a large array, a checksum.
 fn is_recorded(recorded: &serde_json::Value, value: &Value) -> bool {
     use serde_json::Value as Json;
     match (recorded, value) {

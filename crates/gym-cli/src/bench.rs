@@ -114,7 +114,7 @@ struct Start {
     milliseconds: f64,
 }
 
-/// Takes at least this many steps, and returns their number.
+/// A function that takes at least the given number of steps, and returns the number of steps taken.
 type Work = Box<dyn FnMut(u64) -> Result<u64>>;
 
 pub(crate) fn bench(arguments: &Arguments, workspace: &Workspace) -> Result<()> {

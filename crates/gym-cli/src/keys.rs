@@ -11,7 +11,7 @@ pub(crate) fn of(id: &str, env: &BoxEnv) -> Result<Keys> {
     Ok(registered.map_or_else(|| Keys::new(digits(&env.action_space())), |keys| keys(env)))
 }
 
-/// Sets the action of the key `key`.
+/// Sets the action of a key.
 pub(crate) fn set(keys: &mut Keys, key: &str, action: Json) {
     keys.actions
         .retain(|(name, _)| !name.eq_ignore_ascii_case(key));

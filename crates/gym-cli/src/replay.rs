@@ -44,7 +44,7 @@ pub(crate) fn replay(arguments: &Arguments) -> Result<()> {
             Ok(Some(equal)) => say(format_args!("{}: {equal}", path.display()))?,
             Err(error) => {
                 match error {
-                    Error::Io { .. } => tell(format_args!("{error}")), // it names the file
+                    Error::Io { .. } => tell(format_args!("{error}")), // the error names the file
                     error => tell(format_args!("{}: {error}", path.display())),
                 }
                 failed += 1;

@@ -180,22 +180,22 @@ hand_on_items! {
 
 /// JSON that is read with all its floats.
 ///
-/// Each method reads only the kinds of JSON that its type can have, without a general method behind
-/// it: the compiler instantiates all that a visitor can reach, for each type in each crate.
+/// Each method reads only the kinds of JSON that its type can have. The methods call no general
+/// method, because the compiler would instantiate that method for each type in each crate.
 #[derive(Clone, Copy)]
 struct Stored<'de> {
     json: &'de Json,
-    /// JSON within JSON, without replacements for floats.
+    /// Whether the JSON is plain: floats have no replacements.
     as_it_is: bool,
 }
 
 impl<'de> Stored<'de> {
-    /// The reader of a part of this JSON.
+    /// Returns a reader of `json`, which is a part of this JSON.
     fn part(self, json: &'de Json) -> Self {
         Self { json, ..self }
     }
 
-    /// The float in stored form, if `self` is a float that JSON lacks.
+    /// Returns the float whose stored form this JSON is; `None` for other JSON.
     fn float(self) -> Result<Option<f64>, Error> {
         let tagged = self
             .json
@@ -338,7 +338,7 @@ impl<'de> Deserializer<'de> for Stored<'de> {
         name: &'static str,
         visitor: V,
     ) -> Result<V::Value, Error> {
-        // a value, or an inner snapshot: already in stored form
+        // a newtype with this name contains plain JSON, such as an inner snapshot
         let as_it_is = self.as_it_is || name == AS_IT_IS;
         visitor.visit_newtype_struct(Self { as_it_is, ..self })
     }

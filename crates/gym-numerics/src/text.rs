@@ -111,8 +111,8 @@ pub fn quoted(text: &str) -> String {
 
 /// numpy's `str` of one number: the fewest digits that distinguish it from its neighbours.
 pub fn scalar(data: Numbers<'_>, index: usize) -> String {
-    // From here on numpy writes an exponent: 10^6 has all the digits that float32 surely holds;
-    // 10^16 is the tradition of C for float64.
+    // Numbers from `end` on have an exponent. `float32` represents all integers below 10^6; for
+    // `float64`, C too writes an exponent from 10^16 on.
     let end = match data {
         Numbers::F32(_) => 1e6,
         Numbers::F64(_) => 1e16,
@@ -207,7 +207,7 @@ impl Style {
             .iter()
             .map(parts)
             .fold((0, 0, 0), |a, b| (a.0.max(b.0), a.1.max(b.1), a.2.max(b.2)));
-        // `inf` and `-inf` may stick out to the left.
+        // `inf` and `-inf` may be longer than the finite numbers before the point.
         let after_point = if needs_exponent {
             exponent + 2 + right
         } else {
@@ -375,7 +375,7 @@ fn pad_exponent(exponent: &str, digits: usize) -> String {
     format!("e{sign}{power:0>digits$}")
 }
 
-/// The destination of the numbers.
+/// An array and the format of its numbers.
 struct Layout<'a> {
     shape: &'a [usize],
     summarise: bool,

@@ -12,7 +12,8 @@ use crate::numbers::Numbers;
 use crate::settings::Settings;
 
 /// The columns of consecutive steps, into which the environments write. Row 0 holds the
-/// observations before the first actions; row `t + 1` holds the results of the actions `t`.
+/// observations before the first actions; row `t + 1` holds the results of the actions of row
+/// `t`.
 pub(crate) struct Rollout {
     columns: Vec<Columns>,
     actions: Vec<Value>,

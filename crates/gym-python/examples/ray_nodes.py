@@ -33,7 +33,7 @@ arguments = parser.parse_args()
 
 
 def play(envs, seeds):
-    """A digest of what each seed's environment gives, under a policy that reads nothing but the observation."""
+    """A digest of each seed's samples, under a policy that depends only on the observation."""
     digests = [hashlib.sha256() for _ in seeds]
     observations, _ = envs.reset(seed=seeds)
     for _ in range(STEPS):
@@ -47,7 +47,7 @@ def play(envs, seeds):
 
 @ray.remote(num_cpus=1, scheduling_strategy="SPREAD")
 class Runner:
-    """Plays seeds on whatever node Ray starts it."""
+    """Plays seeds on the node that Ray chooses."""
 
     def play(self, seeds):
         """The digest of each seed, and the node that played it."""
@@ -69,7 +69,7 @@ def sample(count):
 
 
 def make(config=None):
-    """One environment; imports where it is made."""
+    """One environment; the import happens in the process that makes the environment."""
     import rustgym
 
     return rustgym.make(ENV)

@@ -25,7 +25,7 @@ arguments = parser.parse_args()
 
 
 def one(config):
-    """One environment; imports in the worker."""
+    """One environment; the import happens in the worker process."""
     import rustgym
 
     return rustgym.make("CartPole-v1")

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Stable-Baselines3: PPO learns to balance a pole, on a vector of ours.
+"""Stable-Baselines3: PPO learns to balance a pole, on a vector of this package.
 
     pip install rustgym stable-baselines3
     python sb3_ppo.py [--steps 100000]
@@ -18,8 +18,8 @@ parser = argparse.ArgumentParser()
 parser.add_argument("--steps", type=int, default=100_000)
 steps = parser.parse_args().steps
 
-torch.set_num_threads(1)  # a network this small is faster on one
-# one object steps all eight; `make_vec_env("rustgym:rustgym/CartPole-v1", 8)` works as well, and steps them in Python
+torch.set_num_threads(1)  # one thread is faster for such a small network
+# steps all eight in Rust; `make_vec_env("rustgym:rustgym/CartPole-v1", 8)` works as well, and steps them in Python
 envs = VecMonitor(rustgym.sb3.VecEnv("CartPole-v1", num_envs=8))
 model = PPO(
     "MlpPolicy",

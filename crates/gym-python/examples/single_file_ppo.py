@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""PPO in a single file, in the manner of CleanRL: the whole learner is on this page, on a vector of ours.
+"""PPO in a single file, in the manner of CleanRL: the whole learner is on this page, on a vector of this package.
 
     pip install rustgym torch
     python single_file_ppo.py [--env CartPole-v1] [--steps 150000]
@@ -59,7 +59,7 @@ for update in range(updates):
     optimizer.param_groups[0]["lr"] = LEARNING_RATE * (1 - update / updates)
     for t in range(ROLLOUT):
         observations[t] = torch.from_numpy(observation)
-        ended[t] = torch.from_numpy(done)  # the step to come only starts an episode
+        ended[t] = torch.from_numpy(done)  # the next step of this environment only starts an episode
         with torch.no_grad():
             policy = Categorical(logits=actor(observations[t]))
             action = policy.sample()
@@ -72,7 +72,7 @@ for update in range(updates):
         if "episode" in infos:
             returns += infos["episode"]["r"][infos["_episode"]].tolist()
 
-    # generalised advantage estimation: a terminated episode has no value beyond, a truncated one has
+    # generalised advantage estimation: the last state of an episode has a value only if the episode was truncated
     with torch.no_grad():
         advantages, advantage = torch.zeros(shape), torch.zeros(args.num_envs)
         for t in reversed(range(ROLLOUT)):

@@ -1,4 +1,4 @@
-"""What the tests share."""
+"""Fixtures and helpers for all tests."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ import warnings
 from pathlib import Path
 from typing import Any
 
-# numpy's norms as on the CPUs of MuJoCo's recordings, whatever the system asks of OpenBLAS; it reads this when it is loaded
+# makes numpy's norms round as on the CPUs that recorded MuJoCo's numbers; OpenBLAS reads the variable when it is loaded
 CPU = Path("/proc/cpuinfo")
 if CPU.exists() and "avx512f" in CPU.read_text():
     os.environ["OPENBLAS_CORETYPE"] = "SkylakeX"
@@ -22,7 +22,7 @@ gymnasium.logger.min_level = gymnasium.logger.ERROR
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    """On other CPUs the tasks whose rewards or infos contain a norm differ in its last bit."""
+    """Skips tasks whose rewards or infos contain a norm, on CPUs where its last bit differs."""
     if np.linalg.norm([0.1, 0.47619047619047616]) == 0.4865771980010083:
         return
     for item in items:
@@ -32,7 +32,7 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
 
 
 def is_complete(env_id: str) -> bool:
-    """Whether an environment needs nothing that may be missing here, as ROMs may be."""
+    """Whether an environment can be made: the ROMs of Atari may be missing."""
     try:
         rustgym.make(env_id).close()
     except ValueError as error:
@@ -41,20 +41,20 @@ def is_complete(env_id: str) -> bool:
 
 
 def is_tested(env_id: str) -> bool:
-    """Whether an id stands for itself: of the games of Atari a few are enough."""
+    """Whether tests over all ids include this id; two games of Atari are enough."""
     if env_id == "BabyAI-SynthS5R2-v0":
-        return False  # some of its resets find no level: minigrid's search for ever
+        return False  # in some of its resets, minigrid searches for a level forever
     of_atari = rustgym._specs.spec_of(env_id)["crate"] == "gym-atari"
     return env_id in ("Pong-v4", "BreakoutNoFrameskip-v4") if of_atari else "/" not in env_id
 
 
-#: Ids that Gymnasium has as well, and those that it once had.
+#: The ids of Gymnasium, and of its former releases, that can be made here.
 IDS = [env_id for env_id in rustgym.ids() if is_tested(env_id) and is_complete(env_id)]
 assert len(IDS) >= 57, IDS
 
 
 def assert_same(ours: Any, theirs: Any, where: str = "") -> None:
-    """Equal values, of the same types and dtypes; a float of ours may be an int of theirs."""
+    """Asserts equal values, keys, shapes and dtypes; numbers that are not arrays may differ in type."""
     if isinstance(theirs, dict):
         assert ours.keys() == theirs.keys(), where
         for key in theirs:
@@ -80,7 +80,7 @@ def env_id(request: pytest.FixtureRequest) -> str:
 
 @pytest.fixture
 def faults() -> str:
-    """The id of an environment that panics when told to; only in a build with the feature `faults`."""
+    """The id of an environment that panics on request; it exists only in a build with the feature `faults`."""
     name = "faults/Panics-v0"
     if name not in rustgym.ids():
         pytest.skip("this build has no faulty environment: maturin build --features faults")
@@ -89,7 +89,7 @@ def faults() -> str:
 
 @pytest.fixture(autouse=True)
 def quiet() -> Any:
-    """Warnings of ids out of date are not what is tested."""
+    """Hides warnings of ids that are out of date."""
     with warnings.catch_warnings():
         warnings.filterwarnings("ignore", message=".*out of date.*")
         yield

@@ -1,4 +1,4 @@
-"""Atari: what ale-py's users read of a game, the pipelines of others, and the one in Rust."""
+"""Atari: the attributes and methods of ale-py, other packages' preprocessing, and the preprocessing in Rust."""
 
 from __future__ import annotations
 
@@ -51,8 +51,8 @@ def test_what_is_known_of_a_game(game: str) -> None:
 
 @pytest.mark.parametrize("env_id", [env_id for env_id in rustgym.ids() if env_id.startswith("ALE/")])
 def test_answers_to_random_calls(env_id: str) -> None:
-    """Calls at random of steps, frames, looks at the game, states and their return."""
-    # (after a reset a frame of Qbert and Tetris is unfinished; Skiing takes no action with FIRE)
+    """Random calls, such as steps, single frames, reading the game, and saving and restoring states."""
+    # these games get more calls: a reset of Qbert and Tetris ends within a frame, and Skiing has no action with FIRE
     calls = 1000 if env_id[4:-3] in [*GAMES, "Qbert", "Skiing", "Tetris"] else 150
     ours, theirs = both(env_id)
     a, b = ours.unwrapped, theirs.unwrapped
@@ -93,7 +93,7 @@ def test_answers_to_random_calls(env_id: str) -> None:
 
 
 def test_states_are_stored(game: str) -> None:
-    # (as in ale-py, the action that may stick is no part of a state)
+    # without sticky actions: a state does not contain the last action, as in ale-py
     env = rustgym.make(game, repeat_action_probability=0.0).unwrapped
     env.reset(seed=1)
     state = env.clone_state(include_rng=True)
@@ -118,7 +118,7 @@ def test_seeding_loading_and_settings(game: str) -> None:
         env.reset(seed=1)
         env.ale.setMode(mode)
         answer = [env.reset(), env.reset(seed=2), env.seed_game(3), env.load_game()]
-        # an episode of the default mode has started
+        # `load_game` has started an episode in the default mode
         answer += [[env.ale.act(action % 18) for action in range(50)], env.ale.getRAM(), env.ale.getScreen(), env.ale.lives()]
         answer += [env.reset(), env.np_random.integers(1000)]
         env.ale.reset_game()
@@ -163,7 +163,7 @@ def test_all_that_is_public_is_there(tmp_path: Path) -> None:
     for env, state in zip((ours, theirs), states, strict=True):
         env.ale.setMode(0)
         env.restore_state(state)
-        env.ale.reset_game()  # in the state's mode again
+        env.ale.reset_game()  # plays in the mode of the restored state
         answers.append((env.ale.cloneState().getCurrentMode(), env.ale.getRAM(), env.ale.getAudioSize()))
     assert_same(*answers)
     for path, env in (("ours", ours), ("theirs", theirs)):
@@ -210,7 +210,7 @@ def test_bad_input() -> None:
 
 @pytest.mark.parametrize("lives", [False, True])
 def test_gymnasiums_preprocessing(game: str, lives: bool) -> None:
-    """Gymnasium's wrappers around ours and ale-py's, and ours in Rust: the same pictures and rewards."""
+    """The preprocessing in Rust gives the same pictures and rewards as Gymnasium's wrappers around our and ale-py's games."""
     pytest.importorskip("cv2")
     from gymnasium.wrappers import AtariPreprocessing, FrameStackObservation
 
@@ -262,7 +262,7 @@ def test_stable_baselines3() -> None:
     ours, theirs = (AtariWrapper(env) for env in both("BreakoutNoFrameskip-v4", frameskip=1))
     for wrapped in (ours, theirs):
         wrapped.action_space.seed(0)
-    # (the wrapper for no-ops draws from np_random, which both seed alike)
+    # the wrapper draws its number of no-ops from `np_random`, which both environments seed alike
     assert_same(ours.reset(seed=3), theirs.reset(seed=3))
     for _ in range(300):
         action = ours.action_space.sample()
@@ -274,7 +274,7 @@ def test_stable_baselines3() -> None:
 
 @pytest.mark.parametrize("name", ["BreakoutNoFrameskip-v4", "PongNoFrameskip-v4"])
 def test_make_atari_env(name: str) -> None:
-    """Stable-Baselines3's pipeline by an id of ours and by ale-py's."""
+    """Stable-Baselines3's ``make_atari_env`` with our id and with ale-py's id."""
     pytest.importorskip("stable_baselines3")
     pytest.importorskip("cv2")
     from stable_baselines3.common.env_util import make_atari_env
@@ -288,7 +288,7 @@ def test_make_atari_env(name: str) -> None:
 
 
 def test_the_wrappers_of_single_files() -> None:
-    """Those of CleanRL's `ppo_atari.py`, which come from Stable-Baselines3 and Gymnasium."""
+    """The wrappers of CleanRL's `ppo_atari.py`, which come from Stable-Baselines3 and Gymnasium."""
     wrappers = pytest.importorskip("stable_baselines3.common.atari_wrappers")
     pytest.importorskip("cv2")
 

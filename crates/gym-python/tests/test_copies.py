@@ -1,4 +1,4 @@
-"""Copies and pickles in mid-episode go on as the original does."""
+"""Copies and pickles that are made during an episode continue as the original does."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""One environment: what reset, step and render return and refuse."""
+"""A single environment: what `reset`, `step` and `render` return, and which errors they raise."""
 
 from __future__ import annotations
 
@@ -249,9 +249,9 @@ def test_arguments_of_box2d_that_are_set_take_effect_with_the_next_reset(env_id:
             setattr(env, name, value)
             assert getattr(env, name) == value
     ours = copy.deepcopy(pickle.loads(pickle.dumps(ours)))
-    # the digits of CarRacing's score are drawn here
+    # below row 84, CarRacing shows the score, whose digits differ from Gymnasium's
     rows = slice(0, 84) if env_id == "CarRacing-v3" else slice(None)
-    # Gymnasium's first colours are of its constructor
+    # Gymnasium's first picture still has the colours of its constructor's arguments
     assert peer == "gymnasium" or ours.reset(seed=3)[0].tobytes() == theirs.reset(seed=3)[0].tobytes()
     if peer == "gymnasium":
         assert (ours.reset(seed=3)[0][rows] == theirs.reset(seed=3)[0][rows]).all()
@@ -400,7 +400,7 @@ def test_no_message_speaks_of_rust() -> None:
     ],
 )
 def test_what_is_refused_has_gymnasiums_class(env_id, kwargs, options, theirs) -> None:
-    if env_id != "LunarLander-v3":  # it needs the package Box2D
+    if env_id != "LunarLander-v3":  # Gymnasium's environment needs the package Box2D
         with pytest.raises(theirs):
             gymnasium.make(env_id, **kwargs).reset(options=options)
     with pytest.raises(theirs, match=" "):

@@ -1,4 +1,4 @@
-"""What learners want of vectors: pixels, dm_env's time steps, steps inside of JAX."""
+"""What learning libraries need of vectors: pixels, dm_env's time steps, steps inside JAX."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ def test_pixels(env_id: str) -> None:
     colours, _ = coloured.reset(seed=0)
     assert colours.shape == (2, 40, 60, 3)
     assert_same(np.array(coloured.render()), colours)
-    # each row of the stack is gray as Gymnasium has it
+    # the newest picture of the stack is gray by Gymnasium's weights
     gray = (colours[0] @ np.array([0.2125, 0.7154, 0.0721])).astype(np.uint8)
     assert np.abs(gray.astype(int) - first[0, -1]).max() <= 1
 
@@ -124,7 +124,7 @@ def test_seeds_of_resets_to_come(env_id: str, kind: str, mode: str) -> None:
     for k in range(steps):
         actions = rng.integers(2, size=n)
         observations, rewards, terminated, truncated, infos = envs.step(actions)
-        if k < 8:  # before the first end it is what it is without
+        if k < 8:  # no episode has ended: the vector must equal one without `seeds`
             assert_same((observations, rewards, terminated, truncated, infos), plain.step(actions))
         ended = []
         for i, env in enumerate(singles):

@@ -1,4 +1,4 @@
-"""What an environment hands out is the environment: changes to it count as they do in Gymnasium's."""
+"""Objects read from an environment can be changed in place, with the same effect as in Gymnasium."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ WAYS: dict[str, Callable[[Any], Any]] = {
 
 
 def play(env: Any, actions: list[Any]) -> list[Any]:
-    """Results of some steps, a reset, and a step after it."""
+    """The results of the actions, of a reset, and of a step after the reset."""
     results = [env.step(action)[:4] for action in actions]
     return [*results, env.reset()[0], env.step(actions[0])[:4]]
 
@@ -32,7 +32,7 @@ def play(env: Any, actions: list[Any]) -> list[Any]:
 def both(
     env_id: str, change: Change, actions: list[Any], way: str = "itself", before_reset: Change | None = None, **kwargs: Any
 ) -> None:
-    """The same change and the same actions in ours and in Gymnasium's."""
+    """Compares our environment with Gymnasium's after the same change and the same actions."""
     results = []
     for module in (rustgym, gymnasium):
         env = module.make(env_id, disable_env_checker=True, **kwargs)
@@ -359,7 +359,7 @@ def test_copies_step_themselves(way: str) -> None:
     expected = env.step(1)
     if twin is not env:
         assert_same(twin.step(1), expected)
-        twin.state[0] = 1.0  # watched from now on
+        twin.state[0] = 1.0  # from this read of `state` on, each step of `twin` looks for changes
         assert twin.step(1)[0][0] > 0.9 and env.state[0] < 0.9
     envs = rustgym.VectorEnv("CartPole-v1", 2)
     envs.reset(seed=1)

@@ -1,4 +1,4 @@
-"""minigrid's wrappers around our environments, beside the same around its own, and our names for what they read."""
+"""minigrid's wrappers give the same results around our environments as around its own, and find the attributes they read."""
 
 from __future__ import annotations
 
@@ -50,7 +50,7 @@ WRAPPERS: dict[str, Any] = {
 def test_wrappers_of_minigrid_see_the_same(name: str) -> None:
     for env_id in GOALS if name == "DirectionObsWrapper" else IDS:
         if name == "DictObservationSpaceWrapper" and env_id.startswith("BabyAI"):
-            continue  # its table of words lacks those of BabyAI
+            continue  # the wrapper's table of words lacks those of BabyAI
         envs = [WRAPPERS[name](make(env_id)) for make in (rustgym.make, gymnasium.make)]
         actions = np.random.default_rng(5).integers(0, 3 if "Obstacles" in env_id else 6, 60).tolist()
         seen = [env.reset(seed=2)[0] for env in envs]

@@ -1,4 +1,4 @@
-"""One tree of modules, one registry, one name."""
+"""All modules of Gymnasium can be imported under `rustgym`, with Gymnasium's registry."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ import rustgym
 
 
 def names() -> list[str]:
-    """Gymnasium's modules, without its packages' names."""
+    """The names of Gymnasium's modules, without the prefix `gymnasium.`."""
     found = [name for _, name, _ in pkgutil.walk_packages(gymnasium.__path__, "gymnasium.", onerror=lambda name: None)]
     return [name.removeprefix("gymnasium.") for name in found]
 
@@ -34,7 +34,7 @@ def test_every_module_is_there(name: str) -> None:
     for attribute in dir(theirs):
         if not attribute.startswith("_"):
             assert hasattr(ours, attribute), attribute
-    # what is not ours is the same object, not a copy of it
+    # a class that rustgym does not replace is Gymnasium's own object, not a copy
     for attribute, value in vars(theirs).items():
         if isinstance(value, type) and not attribute.startswith("_"):
             same = getattr(ours, attribute)

@@ -1,4 +1,4 @@
-"""What Gymnasium's users read of the MuJoCo tasks beyond the interface: ``data``, ``model``, ``set_state``."""
+"""Attributes of the MuJoCo tasks that `gymnasium.Env` does not have: ``data``, ``model``, ``set_state``."""
 
 import copy
 import pickle
@@ -92,7 +92,7 @@ def test_mujocos_own_objects_follow(env_id, monkeypatch, tmp_path):
     own = env._arrays()
     for name, array in own.items():
         assert np.array_equal(getattr(data, name), array), name
-    # MuJoCo computes the same from positions and velocities
+    # MuJoCo computes the same arrays from the positions and velocities
     mujoco.mj_forward(env.model, data)
     env.set_state(np.array(data.qpos), np.array(data.qvel))
     for name in ("xpos", "xmat", "cvel", "qfrc_bias", "site_xpos", "subtree_com"):

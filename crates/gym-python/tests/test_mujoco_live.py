@@ -1,4 +1,4 @@
-"""MuJoCo's model and data beside our engine: they follow it, and what is written to them counts as it does in Gymnasium."""
+"""MuJoCo's model and data follow our engine, and changes to them have the same effect as in Gymnasium."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ TASKS += ["Swimmer-v4", "Walker2d-v5"]
 
 
 def ours(env_id: str, **kwargs: Any) -> Any:
-    """Our environment, with the engine of the package that is installed."""
+    """Our environment, with the numbers of the installed version of MuJoCo."""
     if "mujoco" in rustgym._specs.spec_of(env_id)["defaults"]:
         kwargs["mujoco"] = VERSION
     return rustgym.make(env_id, disable_env_checker=True, **kwargs).unwrapped
@@ -37,7 +37,7 @@ def actions_of(env: Any, n: int) -> list[Any]:
     return [rng.uniform(-1, 1, env.action_space.shape).astype(np.float32) for _ in range(n)]
 
 
-# parts of MuJoCo's arena that these models leave as the memory was
+# arrays in MuJoCo's arena that these models never write, and that therefore contain old memory
 UNUSED = ("efc_AR", "efc_Y", "efc_J_", "efm_", "map_", "dof_island", "tree_island", "island_", "iefc_", "ifrc_", "iacc", "solver_nnz")
 
 
@@ -70,7 +70,7 @@ def test_the_data_is_gymnasiums(env_id: str) -> None:
     for e in (env, other):
         e.reset()
     assert not differing(data, other.data)
-    # touched in the middle of an episode
+    # now MuJoCo's objects are first read in the middle of an episode
     env, other = ours(env_id), theirs(env_id)
     for e in (env, other):
         e.reset(seed=2)
@@ -166,7 +166,7 @@ def test_another_version_refuses(monkeypatch: pytest.MonkeyPatch) -> None:
 def test_subclasses() -> None:
     def made(base: Any) -> list[Any]:
         class Mine(base):  # type: ignore[misc]
-            """Half as much action, twice; ends when it is low."""
+            """Applies half of the action twice, and ends the episode if the robot is low."""
 
             def step(self, action: Any) -> Any:
                 for _ in range(2):
@@ -174,14 +174,14 @@ def test_subclasses() -> None:
                 return self._get_obs(), float(self.data.qvel[0]), bool(self.data.qpos[1] < 0.7), False, {"dt": self.dt}
 
         class Started(base):  # type: ignore[misc]
-            """It starts elsewhere."""
+            """Starts in another state."""
 
             def reset_model(self) -> Any:
                 self.set_state(self.init_qpos + 0.01, self.init_qvel - 0.1)
                 return self._get_obs()
 
         class Seen(base):  # type: ignore[misc]
-            """It sees the time as well."""
+            """Adds the time to the observation."""
 
             def _get_obs(self) -> Any:
                 return np.append(super()._get_obs(), self.data.time)
@@ -195,7 +195,7 @@ def test_subclasses() -> None:
         return results
 
     module = pytest.importorskip("gymnasium.envs.mujoco.hopper_v5")
-    # of the installed version, which steps them
+    # our classes compute with the installed version of MuJoCo, because it steps them
     assert_same(made(rustgym.envs.Hopper_v5), made(module.HopperEnv))
 
 
@@ -271,7 +271,7 @@ def test_pictures_of_depth() -> None:
         e.reset(seed=1)
     metres = depth.render()
     assert metres.shape == (48, 64) and metres.dtype == np.float32
-    # the camera is three metres away, and the robot in the middle
+    # the robot is in the middle of the picture, three metres from the camera
     assert 2.5 < metres[24, 32] < 3.5 < metres.max()
     assert_same(both.render(), (picture.render(), metres))
 

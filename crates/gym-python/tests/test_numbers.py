@@ -1,4 +1,4 @@
-"""The types of numbers: rewards, infos and tables have Gymnasium's."""
+"""The numbers in rewards, infos and tables have the same types as Gymnasium's."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ def kinds(value: Any) -> Any:
 
 
 def seen(module: Any, env_id: str, dtype: type, **arguments: Any) -> list[Any]:
-    """The types of each step of an episode, or of its first steps."""
+    """The types of the results of each step, until the episode ends or the number of steps is reached."""
     env = module.make(env_id, disable_env_checker=True, **arguments).unwrapped
     rng = np.random.default_rng(0)
     _, info = env.reset(seed=1)

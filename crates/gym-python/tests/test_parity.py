@@ -1,4 +1,4 @@
-"""The environments give what Gymnasium's give: the same numbers, in the same types."""
+"""The environments return the same numbers as Gymnasium's, in the same types."""
 
 from __future__ import annotations
 
@@ -46,7 +46,7 @@ def test_episodes(env_id: str, seed: int) -> None:
         assert_same(result, expected)
         assert [type(x) for x in result[1:4]] == [type(x) for x in expected[1:4]]
         if result[2] or result[3]:
-            if "Bipedal" in env_id:  # Gymnasium's gives other numbers in an environment that was used
+            if "Bipedal" in env_id:  # Gymnasium's numbers after a reset depend on earlier episodes
                 return
             assert_same(ours.reset(), theirs.reset())
 
@@ -66,7 +66,7 @@ def test_vectors(env_id: str, kind: str, mode: AutoresetMode) -> None:
         assert_same(result, expected)
         mask = result[2] | result[3]
         if mode is AutoresetMode.DISABLED and mask.any():
-            # each gets a dict of its own: Gymnasium's removes the key
+            # each vector gets its own dict, because Gymnasium's removes the key
             assert_same(
                 ours.reset(options={"reset_mask": mask}), theirs.reset(options={"reset_mask": mask.copy()})
             )

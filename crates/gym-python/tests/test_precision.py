@@ -1,4 +1,4 @@
-"""Actions keep the precision in which they come: the numbers are Gymnasium's for each type of array and for lists."""
+"""Actions keep their precision: the results equal Gymnasium's for each dtype of array and for lists."""
 
 from __future__ import annotations
 
@@ -33,13 +33,13 @@ FORMS: dict[str, Callable[[Any], Any]] = {
 def pair(env_id: str) -> tuple[gymnasium.Env, gymnasium.Env]:
     if env_id not in CLASSIC:
         pytest.importorskip("Box2D" if env_id in BOX2D else "mujoco")
-    # the engine of the package that Gymnasium plays with
+    # the installed version of MuJoCo, which Gymnasium uses
     kwargs = {"mujoco": import_module("mujoco").__version__} if env_id in MUJOCO else {}
     return rustgym.make(env_id, **kwargs), gymnasium.make(env_id)
 
 
 def numbers(space: gymnasium.spaces.Box, rng: np.random.Generator) -> Any:
-    """Numbers beyond the bounds, too, and none that single precision holds."""
+    """Random numbers that single precision cannot represent, some of them beyond the bounds."""
     return rng.uniform(1.4 * space.low.astype(float), 1.4 * space.high.astype(float), space.shape)
 
 
@@ -58,7 +58,7 @@ def test_environments(env_id: str, form: str) -> None:
             assert_same(result, expected)
             if result[2] or result[3]:
                 break
-        if "Bipedal" in env_id:  # Gymnasium's gives other numbers in an environment that was used
+        if "Bipedal" in env_id:  # Gymnasium's numbers after a reset depend on earlier episodes
             theirs = gymnasium.make(env_id)
 
 

@@ -1,4 +1,4 @@
-"""Threads and forks: no crash, no wrong number, no hang."""
+"""Threads and forks cause no crash, no wrong number and no hang."""
 
 from __future__ import annotations
 
@@ -68,7 +68,7 @@ def in_child(work: str) -> int:
         try:
             globals()[work]()
             status = 0
-        except BaseException as error:  # noqa: BLE001 - whatever it is, the child must not go on as a test
+        except BaseException as error:  # noqa: BLE001 - after any error, the child process must not continue the tests
             print(repr(error), file=sys.stderr)
         finally:
             os._exit(status)
@@ -102,7 +102,7 @@ def use_the_parents_threads() -> None:
             assert "fork" in str(error)
         else:
             raise AssertionError("no error")
-    held.clear()  # dropping it must not wait for threads that are not there
+    held.clear()  # dropping the vector must not wait for its threads, which do not exist after a fork
 
 
 def use_what_a_thread_of_the_parent_holds() -> None:

@@ -1,4 +1,4 @@
-"""Ids in Gymnasium's registry, and the module in Gymnasium's place."""
+"""The ids in Gymnasium's registry, and rustgym imported instead of Gymnasium."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from rustgym.registration import namespaced
 
 
 def run(code: str) -> str:
-    """What a program of its own prints; a warning ends it."""
+    """Runs ``code`` in a new process, in which a `UserWarning` is an error, and returns the output."""
     command = [sys.executable, "-W", "error::UserWarning", "-c", code]
     result = subprocess.run(command, capture_output=True, text=True, timeout=120, check=False)
     assert result.returncode == 0, result.stderr

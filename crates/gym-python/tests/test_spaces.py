@@ -1,4 +1,4 @@
-"""Elements of every kind of space, on their way to Rust and back."""
+"""Elements of each kind of space keep their values on the way to Rust and back."""
 
 from __future__ import annotations
 

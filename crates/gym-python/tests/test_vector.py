@@ -1,4 +1,4 @@
-"""Vectors: forms, resets, errors, sending and receiving."""
+"""Vectors: shapes of results, resets, errors, `send` and `recv`."""
 
 from __future__ import annotations
 
@@ -47,7 +47,7 @@ def test_order(kind: str) -> None:
     envs.reset()
     envs.close()
     envs.close()
-    if kind == "async":  # its threads have ended
+    if kind == "async":  # `close` has ended the threads of the vector
         with pytest.raises(gymnasium.error.ClosedEnvironmentError):
             envs.step([0, 0, 0])
 
@@ -59,7 +59,7 @@ def test_results_stay(copy: bool) -> None:
     for _ in range(10):
         kept = last.copy()
         step = envs.step(envs.action_space.sample())
-        # with copy=False the arrays of the last call are still what they were
+        # with `copy=False`, too, this call has not overwritten the arrays of the call before
         assert np.array_equal(last, kept) and not np.shares_memory(last, step[0])
         last = step[0]
     ids = {id(envs.step(envs.action_space.sample())[0]) for _ in range(6)}

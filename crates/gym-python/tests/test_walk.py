@@ -1,4 +1,4 @@
-"""A walk over the attributes of Gymnasium's environments: ours have the same type and value in every phase of an episode."""
+"""Each attribute of Gymnasium's environments has the same type and value in ours, in every phase of an episode."""
 
 from __future__ import annotations
 
@@ -27,14 +27,14 @@ IDS = [
     "Taxi-v4",
     *(f"{task}-v5" for task in ("Ant", "HalfCheetah", "Hopper", "Humanoid", "InvertedPendulum", "Pusher", "Reacher", "Swimmer")),
 ]
-# objects of pygame and Box2D, of which ours say what to use instead
+# attributes with objects of pygame and Box2D, for which our error names a replacement
 ABSENT = {
     "BipedalWalker-v3": {"cloud_poly", "fd_edge", "fd_polygon"},
     "CarRacing-v3": {"clock", "contactListener_keepref", "fd_tile", "road", "road_poly", "start_alpha", "surf"},
     "LunarLander-v3": {"moon", "particles"},
     "Taxi-v4": {"get_surf_loc"},
 }
-# what Gymnasium keeps beside an episode
+# attributes that are no part of an episode
 BESIDE = {"np_random", "np_random_seed", "spec"}
 
 
@@ -71,7 +71,7 @@ def phases(module: Any, env_id: str) -> Iterator[tuple[str, Any]]:
             if step():
                 break
         yield "ended", env.unwrapped
-        if "Blackjack" not in env_id:  # a bust hand takes no card
+        if "Blackjack" not in env_id:  # no card can be drawn after a bust
             step()
             step()
             yield "beyond", env.unwrapped
@@ -82,7 +82,7 @@ def phases(module: Any, env_id: str) -> Iterator[tuple[str, Any]]:
 
 
 def plain(value: Any) -> Any:
-    """The type and the value; of objects that are neither numbers nor texts, such as bodies, only that there is one."""
+    """The type and value of a number or text; for other objects, such as bodies, only that they exist."""
     if isinstance(value, np.ndarray):
         return (str(value.dtype), value.shape, value.tobytes())
     if isinstance(value, dict):
@@ -113,7 +113,7 @@ def test_attributes_have_gymnasiums_types_and_values(env_id: str) -> None:
 
 @pytest.mark.parametrize("env_id", IDS)
 def test_an_environment_is_no_class(env_id: str) -> None:
-    """``__name__`` and the other attributes of classes are absent, not errors: pytest asks a parameter for its name."""
+    """``hasattr(env, "__name__")`` is false, without an error: pytest asks a parameter for its name."""
     theirs, ours = gymnasium.Env(), rustgym.make(env_id).unwrapped
     assert [name for name in dir(type) if hasattr(theirs, name) != hasattr(ours, name)] == []
 
@@ -143,7 +143,7 @@ def test_what_pictures_have() -> None:
     lander.reset(seed=1)
     lander.render()
     lander.close()
-    assert lander.screen is None and lander.isopen  # Gymnasium's has a screen only in a window
+    assert lander.screen is None and lander.isopen  # Gymnasium makes the screen only for a window
 
 
 def test_a_class_that_draws_itself_sets_what_it_draws_on() -> None:
@@ -174,7 +174,7 @@ def test_steps_beyond_the_end(steps: int) -> None:
         for _ in range(steps):
             env.step(1)
         seen = [env.steps_beyond_terminated]
-        env.state = np.zeros(4)  # the end of the episode was rewarded before
+        env.state = np.zeros(4)  # back within the bounds: the reward is 1 again
         seen += [float(env.step(1)[1]), env.steps_beyond_terminated]
         env.steps_beyond_terminated = 7
         env.state = np.array([9.0, 0.0, 0.0, 0.0])

@@ -177,7 +177,7 @@ pub struct Event {
         skip_serializing_if = "Option::is_none"
     )]
     pub terminated: Option<Json>,
-    /// Whether a step was the last for another reason.
+    /// Whether a step ended the episode for another reason, such as a time limit.
     #[serde(
         default,
         deserialize_with = "unique::option",
@@ -481,8 +481,9 @@ impl Trace {
         notes.chain(recorded).chain(self.unused()).collect()
     }
 
-    /// The names of settings on which no event depends: a version of MuJoCo for an environment
-    /// without this argument, and settings of pictures if the trace has no checksum of a picture.
+    /// Iterates over the names of settings on which no event depends: a version of MuJoCo for an
+    /// environment without this argument, and settings of pictures if the trace has no checksum of
+    /// a picture.
     fn unused(&self) -> impl Iterator<Item = &str> {
         let parts = self.parts();
         let has = |part: &str| parts.iter().any(|(name, _)| *name == part);
@@ -656,7 +657,7 @@ fn plain(info: Info) -> Json {
         .collect()
 }
 
-/// The checksum of an image of 3 bytes per pixel, with the rectangles blackened.
+/// The checksum of an image of 3 bytes per pixel, in which `rectangles` are blackened.
 fn masked(pixels: &[u8], width: usize, rectangles: &[[usize; 4]]) -> Option<Json> {
     let mut pixels = pixels.to_vec();
     for (y, row) in pixels.chunks_exact_mut((3 * width).max(3)).enumerate() {
@@ -915,7 +916,7 @@ mod tests {
         );
     }
 
-    /// The masked checksum, if present, replaces the whole frame's.
+    /// A masked checksum, if present, replaces the checksum of the whole frame.
     #[test]
     fn a_masked_checksum_stands_for_the_other() {
         let event = |frame: u32, masked: Option<u32>| {

@@ -1,6 +1,6 @@
-// The address of a part of the page: what it says, and what is wrong with it in words.
+// Reads the address of the page: the part of the page, and its parameters.
 
-// The part and its parameters of a hash such as `#/CartPole-v1?seed=7`.
+// Splits a hash such as `#/CartPole-v1?seed=7` into its path and its parameters.
 export function parse(hash) {
   const [path, query] = hash.replace(/^#\/?/, "").split("?");
   try {
@@ -12,7 +12,8 @@ export function parse(hash) {
 
 const SPEED = [0.01, 1000];
 
-// What the parameters of an environment's page ask for, and what of it cannot be.
+// Reads the parameters of an environment's page: returns the settings (`asked`), and a message for each invalid
+// parameter (`faults`).
 export function wishes(parameters, environment, policies) {
   const faults = [];
   const wish = (name, usual, read) => {

@@ -18,7 +18,7 @@ function fail(error) {
   main.replaceChildren(h("section", { class: "card failure", role: "alert" }, h("h1", {}, "That did not work"), h("p", {}, error.message), h("p", {}, h("a", { href: "#/" }, "Back to the gallery"))));
 }
 
-// Takes another list of environments: one more can be played.
+// Replaces the list of environments, for instance when the user has provided a ROM.
 function refresh(list, again = true) {
   environments = list;
   if (again) show();
@@ -42,7 +42,8 @@ async function show() {
   }
 }
 
-// Light and dark: the system's until the button is pressed; kept in this browser alone.
+// The button for the light or dark theme. The system's theme applies until the button is pressed; this browser stores
+// the choice.
 function themes() {
   const button = document.getElementById("theme");
   button.append(icon("sun"));
@@ -64,7 +65,7 @@ try {
   const route = () => show().then(() => scrollTo(0, 0));
   addEventListener("hashchange", route);
   route();
-  // for the tests: the page is there
+  // the tests wait for this attribute
   document.documentElement.dataset.ready = String(environments.length);
 } catch (error) {
   fail(error);

@@ -1,4 +1,4 @@
-// The form of an environment's arguments, and the lines of code that make it.
+// The form for an environment's arguments, and the code that makes the environment.
 import { h, prose } from "./dom.js";
 
 const same = (a, b) => JSON.stringify(a) === JSON.stringify(b);
@@ -21,7 +21,7 @@ export function argumentsForm(list, kwargs, apply) {
       try {
         return JSON.parse(input.value);
       } catch {
-        // a word without its quotes
+        // not JSON: a text without quotes
         return input.value;
       }
     };
@@ -52,7 +52,7 @@ export function argumentsForm(list, kwargs, apply) {
 const python = (value) => (value === null ? "None" : value === true ? "True" : value === false ? "False" : Array.isArray(value) ? `[${value.map(python).join(", ")}]` : typeof value === "object" ? `{${Object.entries(value).map(([key, item]) => `${JSON.stringify(key)}: ${python(item)}`).join(", ")}}` : JSON.stringify(value));
 const rust = (value) => (value === null || typeof value === "object" ? `serde_json::json!(${JSON.stringify(value)})` : JSON.stringify(value));
 
-// Rust and Python that make this environment and reset it.
+// Returns Rust and Python code that makes this environment and resets it.
 export function snippets(id, kwargs, seed) {
   const given = Object.entries(kwargs);
   const make = given.length

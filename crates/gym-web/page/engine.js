@@ -3,7 +3,7 @@
 const single = globalThis.GYM_SINGLE;
 const here = (name) => new URL(name, import.meta.url);
 
-// Returns the unzipped bytes of a file beside the page, or within it.
+// Returns the decompressed file `name`, which lies beside the page or is embedded in the page.
 async function unzipped(name) {
   const bytes = single
     ? Uint8Array.from(atob(single[name]), (c) => c.charCodeAt(0))
@@ -18,10 +18,10 @@ let compiled = null;
 const module = () => (compiled ??= unzipped("gym.wasm.gz").then((r) => r.arrayBuffer()).then((bytes) => WebAssembly.compile(bytes)));
 
 let texts = null;
-// The book's pages on the environments, by name.
+// Loads the book's pages about the environments, by name.
 export const docs = () => (texts ??= unzipped("docs.json.gz").then((r) => r.json()).catch(() => ({})));
 
-// A worker with an instance of the module.
+// A worker that runs an instance of the WebAssembly module.
 export class Engine {
   #worker;
   #next = 1;
@@ -57,7 +57,7 @@ export class Engine {
     if (data.frame) this.handle("shown", { env: data.loop });
   }
 
-  // A panic ends an instance: starts another one, and rejects all pending requests.
+  // Starts a new worker after a panic, which ends the old instance of the module. Rejects all pending requests.
   #restart(reason) {
     this.#worker.terminate();
     for (const { reject } of this.#pending.values()) reject(new Error(reason));
@@ -88,7 +88,8 @@ export class Engine {
     return this.#post({ handler, request });
   }
 
-  // Opens an environment that plays. `listener` gets its pictures, its states and the ends of its episodes.
+  // Opens an environment, which then plays. Calls `listener` with its pictures, its states and the ends of its
+  // episodes.
   async open(options, listener) {
     const env = this.#next++;
     this.#loops.set(env, listener);
@@ -105,7 +106,7 @@ export class Engine {
     return this.handle("close", { env }).catch(() => {});
   }
 
-  // Sends a ROM to this instance, and to later ones. Returns the name of its game.
+  // Sends a ROM to this instance, and to the instances that replace it. Returns the name of the game.
   async rom(bytes) {
     const title = await this.request({ do: "rom" }, bytes);
     this.#roms.push(bytes);
@@ -117,7 +118,7 @@ export class Engine {
   }
 }
 
-// Draws pixels on a canvas, and gives the canvas their size.
+// Draws `pixels` on a canvas, after resizing the canvas to the size of the picture.
 export function paint(canvas, { width, height }, pixels) {
   if (canvas.width !== width || canvas.height !== height) [canvas.width, canvas.height] = [width, height];
   canvas.getContext("2d").putImageData(new ImageData(new Uint8ClampedArray(pixels.buffer), width, height), 0, 0);

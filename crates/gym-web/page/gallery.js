@@ -1,18 +1,18 @@
-// The environments by family, each playing in its tile.
+// The gallery: environments by family, each playing in a tile.
 import { h } from "./dom.js";
 import { paint } from "./engine.js";
 
 const BOOK = "https://github.com/gym-rust/gym/blob/main/docs/README.md";
 
-// The size of a tile's picture. Drawings are vectors, and a small one takes less time.
+// The size of a tile's picture. Environments draw vector graphics, and a small picture takes less time.
 const TILE = 300;
 
 const still = matchMedia("(prefers-reduced-motion: reduce)");
 
-// The order of this project's families. Those of a plugin come first.
+// The order of this project's families. A plugin's families come first.
 const ORDER = ["Classic control", "Toy text", "Box2D", "MuJoCo", "Atari"];
 
-// Returns a name that may break between its words.
+// Returns the words of a name, with possible line breaks between them.
 export const words = (name) => name.split(/(?<=[a-z0-9])(?=[A-Z])/).flatMap((word, i) => (i ? [h("wbr"), word] : [word]));
 
 // Groups environments by family and by name, the newest version of a name first.
@@ -54,7 +54,8 @@ export function gallery(main, engine, environments) {
     return element;
   }
 
-  // Plays a tile while it is visible; with reduced motion it shows one picture.
+  // Returns a function that plays a tile while the tile is visible. If the user prefers reduced motion, the tile stops
+  // at its first picture.
   function live(canvas, environment) {
     let open = null;
     let frames = 0;
@@ -64,7 +65,7 @@ export function gallery(main, engine, environments) {
         if (error) return console.error(`${environment.id}: ${error}`);
         if (!frame) return;
         paint(canvas, frame, pixels);
-        // the background continues the first pixel of the picture
+        // the tile's background has the colour of the picture's first pixel
         if (frames === 0) canvas.parentElement.style.background = `rgb(${pixels.slice(0, 3).join(" ")})`;
         frames += 1;
         if (still.matches && frames === 1) open?.then((env) => env && engine.handle("set", { env: env.env, paused: true }));
@@ -83,7 +84,7 @@ export function gallery(main, engine, environments) {
   const sections = [...groups].map(([family, tasks]) => {
     const all = [...tasks.values()];
     const lacking = all.filter(([newest]) => newest.missing);
-    // ids of ale-py from before it had a namespace
+    // ids from before ale-py had a namespace
     const isOld = ([newest]) => !newest.name.includes("/") && all.some(([other]) => other.name.includes("/"));
     const list = h("ul", { class: "tiles" }, all.filter((task) => !task[0].missing && !isOld(task)).map(([newest, ...older]) => tile(newest, older)));
     const chips = (tasks) => h("ul", { class: "chips" }, tasks.map(([{ id, name }]) => h("li", {}, h("a", { href: link(id) }, name.replace(/^[^/]*\//, "")))));

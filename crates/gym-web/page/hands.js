@@ -1,4 +1,4 @@
-// Who plays, and the keys, buttons and sliders with which a person does.
+// The choice of the player, and the keys, buttons and sliders with which a person plays.
 import { isTouched } from "./address.js";
 import { h, number } from "./dom.js";
 import { Keys, SYMBOLS } from "./keys.js";
@@ -6,7 +6,7 @@ import { plain } from "./pages.js";
 
 export const POLICIES = { good: "Good policy", random: "Random", none: "You" };
 
-// The choice of who plays.
+// Makes the choice of the player: the good policy, random actions, or the person.
 export function makePlayers(game) {
   const { asked, environment } = game;
   const element = h("div", { class: "segmented", role: "radiogroup", "aria-label": "Who plays" });
@@ -27,7 +27,8 @@ export function makePlayers(game) {
   return { element, show };
 }
 
-// The controls of the action space: keys where the registration names some, buttons for few actions, sliders for numbers.
+// Makes the controls for the action space: keys if the registration names keys, buttons for a few discrete actions,
+// sliders for numbers.
 export function makeHands(game, actionNames) {
   const { asked, engine, environment } = game;
   const element = h("div", { class: "pad" });
@@ -35,13 +36,13 @@ export function makeHands(game, actionNames) {
   const waits = () => !game.env.keys || game.env.keys.idle === "wait";
   const name = (action) => (typeof action === "number" ? actionNames.get(action)?.name : undefined);
 
-  // The action of the keys that are down, or null.
+  // Plays `action`, the action of the pressed keys; `null` if no key is pressed.
   function hold(action) {
     if (game.env === null) return;
     taken(action !== null);
     if (!waits()) game.set({ held: action });
   }
-  // One step, where the environment waits for a key.
+  // Takes one step with `action`, if the environment waits for a key.
   function press(action) {
     if (game.env === null || !waits()) return;
     if (game.ended) game.reset(String(BigInt(game.seed()) + 1n));
@@ -78,7 +79,7 @@ export function makeHands(game, actionNames) {
 
 const keyList = (buttons) => h("div", { class: "key-list" }, buttons);
 
-// What a person does, in the words of a keyboard or of a touch screen.
+// Returns instructions for the person, for a keyboard or for a touch screen.
 export function hint({ hasKeys, isBox, isYou, waits }, touched = isTouched()) {
   if (!hasKeys) return isBox ? "Move a slider to act; every other joint rests." : "";
   if (isYou) return waits ? `Each ${touched ? "tap" : "press"} is one step.` : touched ? "Hold the buttons." : "Hold the keys, or the buttons.";
@@ -95,7 +96,7 @@ function keyButton(keys, name, meaning) {
     keys.press(name);
   });
   for (const type of ["pointerup", "pointercancel", "lostpointercapture"]) button.addEventListener(type, () => keys.release(name));
-  // by keyboard: a press and its release
+  // a click by keyboard has no pointer events: press the key, and release it soon after
   button.addEventListener("click", (event) => {
     if (event.detail !== 0) return;
     keys.press(name);
@@ -104,7 +105,7 @@ function keyButton(keys, name, meaning) {
   return button;
 }
 
-// A slider for each number; `act` hears all numbers, or null when they are let go.
+// Makes a slider for each number of the action. Calls `act` with all numbers, or with `null` when the person lets go.
 function sliders(space, act) {
   const values = space.low.map((low, i) => Math.max(low, Math.min(space.high[i], 0)));
   const rows = values.map((value, i) => {

@@ -1,4 +1,4 @@
-// The keys that are down, and their action.
+// The pressed keys, and their action.
 
 // Returns the registry's name of a key: `Left`, `Space`, `A`, `1`.
 export function keyName({ code }) {
@@ -7,7 +7,8 @@ export function keyName({ code }) {
 
 export const SYMBOLS = { Left: "←", Right: "→", Up: "↑", Down: "↓" };
 
-// Keys and their actions. `changed(action)` gets the action of the keys that are down, or null; `pressed(action)` that of each new key.
+// Keys and their actions. When keys are pressed or released, calls `changed` with the action of all pressed keys
+// (`null` for none). Calls `pressed` with the action of each newly pressed key.
 export class Keys {
   #down = new Set();
   #actions;
@@ -61,7 +62,7 @@ export class Keys {
   }
 }
 
-// Returns whether the focused element uses keys: a text, a slider or a list.
+// Returns whether the focused element handles keys itself: a text field, a slider or a list.
 function typing(target) {
   return target.matches?.("input, textarea, select, [contenteditable]");
 }

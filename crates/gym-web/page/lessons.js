@@ -3,7 +3,7 @@ import { h, number } from "./dom.js";
 import { Engine, paint } from "./engine.js";
 import { plot, smooth } from "./plot.js";
 
-// Describes a grid: its borders as shares of the picture, and the direction of each action.
+// Describes a grid: its borders, as fractions of the picture's size, and the direction of each action.
 const grid = (rows, columns, moves, { left = 0, top = 0, right = 1, bottom = 1 } = {}) => ({ rows, columns, moves, left, top, right, bottom });
 
 export const LESSONS = [
@@ -14,7 +14,7 @@ export const LESSONS = [
     state: (row, column) => row * 4 + column,
     text: "The agent starts knowing nothing. The only reward is at the goal, so the first success comes by luck; from then on values spread back from the goal, one step for each visit. On slippery ice the best action is often to walk against the wall.",
     defaults: { step_size: 0.2, epsilon_decay: 0.995 },
-    // at the usual pace the first success takes many seconds
+    // at the default pace, the first success takes many seconds
     pace: 100,
   },
   {
@@ -58,18 +58,19 @@ const CROSS_ENTROPY = [
   { name: "noise", label: "Extra noise", low: 0, high: 1, step: 0.05, value: 0.5, text: "added to the variance of the first generations, so that the search does not end too soon" },
   { name: "episodes", label: "Episodes each", low: 1, high: 5, step: 1, value: 1 },
 ];
-// episodes a second; the last is as fast as the machine is
+// Episodes per second. With Infinity, the learner trains as fast as possible.
 const PACES = [1, 5, 20, 100, 500, Infinity];
 const PACE = 20;
 
 const parametersOf = (lesson) => (lesson.method === "tabular" ? TABULAR : CROSS_ENTROPY);
 
-// Returns the first parameters of a lesson.
+// Returns the initial parameters of a lesson.
 export function firstValues(lesson) {
   return Object.fromEntries(parametersOf(lesson).map(({ name, value }) => [name, lesson.defaults[name] ?? value]));
 }
 
-// Returns the lesson of an id, or without an id the first lesson of this gallery.
+// Returns the lesson of the environment `id`. Without `id`, returns the first lesson whose environment is in this
+// gallery.
 function find(id, environments) {
   const there = LESSONS.filter((lesson) => environments.some((environment) => environment.id === lesson.id));
   if (!there.length) throw new Error("This gallery has none of the environments that the lessons are about.");
@@ -143,7 +144,7 @@ export async function lessons(main, id, environments) {
   };
 }
 
-// A learner in a worker, which trains in slices, and an episode of its policy.
+// A learner in a worker, which trains in slices, and an environment in which its policy plays.
 class Training {
   learner = 1;
   engine = new Engine();
@@ -151,7 +152,7 @@ class Training {
   returns = [];
   isRunning = false;
   over = false;
-  // the place of the policy's episode, for a map
+  // the cell of the playing policy, for the map
   now = 0;
 
   constructor(lesson, { values, kwargs, show, fail }) {
@@ -163,7 +164,7 @@ class Training {
     return { method: this.lesson.method, ...this.values };
   }
 
-  // Forgets what was learned, and starts an episode that is drawn on `canvas`.
+  // Makes a new learner, and starts an episode, which is drawn on `canvas`.
   async open(canvas) {
     this.stop();
     this.returns = [];
@@ -218,12 +219,12 @@ class Training {
     }
   }
 
-  // Takes changed parameters while it learns.
+  // Applies changed parameters during the training.
   tune() {
     return this.engine.request({ do: "tune", learner: this.learner, lesson: this.parameters() });
   }
 
-  // Returns what was learned: numbers, and what they mean.
+  // Returns the learned numbers and their description.
   async learned() {
     if (this.over) return null;
     const { answer, attachment } = await this.engine.request({ do: "learned", learner: this.learner });
@@ -281,7 +282,7 @@ function layout(lesson, environments, view, { controls, options }) {
   ];
 }
 
-// Shows returns, numbers and values after some training.
+// Shows the returns and the learned values after a slice of training.
 function showLearned(view, lesson, { returns, now }, { answer, numbers }) {
   const { episodes, mean, third } = view.numbers;
   episodes.textContent = String(returns.length);
@@ -317,7 +318,7 @@ function control({ name, label, low, high, step, values: choices, text, fresh },
 
 const TURNS = { up: [0, -1], down: [0, 1], left: [-1, 0], right: [1, 0] };
 
-// Draws the action values of each place as triangles, and the best action as an arrow.
+// Draws the action values of each cell as triangles, and the best action as an arrow.
 function drawValues(canvas, lesson, learned, actions, now) {
   const ratio = devicePixelRatio || 1;
   const [width, height] = [canvas.clientWidth, canvas.clientHeight];
@@ -334,7 +335,7 @@ function drawValues(canvas, lesson, learned, actions, now) {
       cells.push({ row, column, values: learned.subarray(state * actions, (state + 1) * actions) });
     }
   }
-  // the colours range from the worst to the best place; worse actions, such as a fall, have no colour
+  // the colours range from the worst to the best cell; values below that range, such as of a fall, have no colour
   const worth = cells.filter(({ values }) => values.some((value) => value !== values[0])).map(({ values }) => Math.max(...values));
   const [least, most] = [Math.min(...worth), Math.max(...worth)];
   const share = (value) => (least === most ? Number(value >= most) : Math.max(0, Math.min(1, (value - least) / (most - least))));
@@ -384,7 +385,7 @@ function arrow(pen, x, y, [dx, dy], length) {
   pen.stroke();
 }
 
-// Draws the differences between the weights of the second action and those of the first.
+// Draws, for each input, the weight of the second action minus the weight of the first action.
 function drawWeights(element, lesson, learned, { inputs }) {
   const row = inputs + 1;
   const difference = Array.from({ length: row }, (_, i) => learned[row + i] - learned[i]);

@@ -3,9 +3,9 @@ import { h, number } from "./dom.js";
 import { paint } from "./engine.js";
 
 const MOST_BARS = 64;
-const SPARK = 120; // values in the line over time
+const SPARK = 120; // values in the small chart
 
-// Makes an element for observations of a space, and `update(observation)`.
+// Returns an element that shows observations of a space, and the function `update(observation)`.
 export function observationView(space, names) {
   if (space.kind === "Box" && space.shape.length >= 2) return pictureView(space);
   if (space.kind === "Box") return barsView(space, names);
@@ -45,7 +45,7 @@ function barsView(space, names) {
     return { element, bar, line, value };
   });
   const element = h("div", { class: "bars" }, rows.map((row) => row.element), count > shown ? h("p", { class: "quiet" }, `and ${count - shown} more`) : null);
-  // a full bar is the bound, or without a bound the greatest number so far
+  // the end of a bar is the bound, or the greatest number so far if there is no bound
   const update = (observation) => {
     for (let i = 0; i < shown; i++) {
       const x = Number(observation[i]);

@@ -1,8 +1,8 @@
-// The book's page on an environment: the names of its observations and actions, and its text.
+// The book's page about an environment: its text, and the names of observations and actions in it.
 import { docs } from "./engine.js";
 import { h } from "./dom.js";
 
-// Returns the page of an environment: the first one whose table of ids has its id.
+// Returns the first page whose table of ids contains `id`.
 export async function page(id) {
   for (const [name, text] of Object.entries(await docs())) {
     if (section(text, "Ids").includes(`\`${id}\``)) return { name, text };
@@ -10,13 +10,13 @@ export async function page(id) {
   return null;
 }
 
-// Returns the text under a heading of the second level.
+// Returns the text under the second-level heading `title`.
 export function section(text, title) {
   const [, after = ""] = text.split(`\n## ${title}\n`);
   return after.split("\n## ")[0].trim();
 }
 
-// Returns the rows of the first table in a text, without the heading.
+// Returns the rows of the first table in a text, without the header row.
 export function rows(text) {
   const lines = text.split("\n").filter((line) => line.startsWith("|"));
   return lines.slice(2).map((line) => line.replace(/^\||\|$/g, "").split(/(?<!\\)\|/).map((cell) => cell.trim()));
@@ -75,7 +75,7 @@ export function markdown(text) {
   return blocks;
 }
 
-// Converts code, emphasis and links. Of a link only the text remains, as the book's pages are not part of this page.
+// Converts code, emphasis and links. A link becomes plain text, because this page does not contain the book.
 function inline(text) {
   return text.split(/(`[^`]+`|\*\*[^*]+\*\*|\*[^*]+\*|\[[^\]]+\]\([^)]+\))/).map((part) => {
     if (/^`/.test(part)) return h("code", {}, part.slice(1, -1));

@@ -1,5 +1,5 @@
-// The page of one environment: its picture, who plays it, and what is known of its state. This module puts the parts together;
-// each part is a module of its own, and all share `game`.
+// The page of one environment: picture, player and state. This module assembles the parts. Each part is a module, and
+// all parts share the object `game`.
 import { wishes } from "./address.js";
 import { argumentsForm } from "./arguments.js";
 import { h } from "./dom.js";
@@ -52,7 +52,8 @@ export async function play(main, engine, environments, id, parameters, refresh) 
   };
 }
 
-// What the parts share: the environment that is played, what is asked for, and what they ask of each other.
+// Makes the object that the parts share: the environment, the settings (`asked`), and the functions that parts call on
+// other parts.
 function makeGame(engine, environment, asked) {
   const message = h("p", { class: "message", role: "status", hidden: true });
   const tell = (text, isError) => {
@@ -62,7 +63,7 @@ function makeGame(engine, environment, asked) {
   };
   const game = {
     engine, environment, id: environment.id, asked, message,
-    env: null, // what the worker plays
+    env: null, // the worker's environment
     state: null,
     ended: false,
     say: (text) => tell(text, false),
@@ -70,7 +71,7 @@ function makeGame(engine, environment, asked) {
     set: (options) => game.env && engine.handle("set", { env: game.env.env, ...options }).catch(game.report),
     pause: (is) => game.transport.pause(is),
     seed: () => game.shown.seed.input.value,
-    // Begins the episode of a seed: again, if none is given.
+    // Starts the episode of `seed`; without `seed`, restarts the current episode.
     reset(seed = game.seed()) {
       game.say("");
       game.shown.seed.input.value = seed;
@@ -80,7 +81,7 @@ function makeGame(engine, environment, asked) {
   return game;
 }
 
-// Opens the environment with the arguments that are asked for; the one before stays if they are refused.
+// Opens the environment with the arguments in `asked`. If they are invalid, the previous environment stays open.
 async function start(game) {
   const { asked, engine, id } = game;
   const opened = await engine.open({ id, kwargs: asked.kwargs, seed: game.seed(), by: asked.by, speed: asked.speed, script: asked.script, paused: asked.paused }, (told) => hear(game, told));
@@ -95,12 +96,12 @@ async function start(game) {
   game.players.show();
   game.hands.show();
   game.say("");
-  // the first picture came before the page knew what it shows
+  // request the first picture again: it arrived before `game.env` was set
   await engine.handle("show", { env: env.env });
   if (!asked.script) history.replaceState(null, "", await game.sharing.address(false));
 }
 
-// Takes what the worker tells: an error, the end of a script or of an episode, a picture with its state.
+// Handles a message of the worker: an error, the end of a script or of an episode, or a picture with the state.
 function hear(game, { state, frame, pixels, seed, sight, sightPixels, episode, scriptEnded, error }) {
   const { asked } = game;
   if (error) {
@@ -126,7 +127,7 @@ function hear(game, { state, frame, pixels, seed, sight, sightPixels, episode, s
   game.stage.over(state);
 }
 
-// The keys of the page, unless the environment has them.
+// Handles the page's keyboard shortcuts, except keys that the environment uses.
 function listenToKeys(game) {
   const onKey = (event) => {
     if (event.target.matches?.("input:not([type=range]):not([type=radio]), textarea, select")) return;
@@ -139,7 +140,7 @@ function listenToKeys(game) {
   return () => removeEventListener("keydown", onKey);
 }
 
-// Puts the parts in their places.
+// Places the parts on the page.
 function lay(main, heading, game, argumentCard, aboutCard) {
   const { stage, transport, message, players, hands, shown, returns, sharing } = game;
   main.replaceChildren(
@@ -150,7 +151,7 @@ function lay(main, heading, game, argumentCard, aboutCard) {
     h("div", { class: "play-more" }, argumentCard, sharing.cards, card("Spaces", game.spaces), aboutCard));
 }
 
-// The name, the versions and the task.
+// Returns the heading: name, versions and task.
 function head(environment, versions) {
   const { id, name, version, description } = environment;
   const versionMenu = () => {
@@ -162,7 +163,7 @@ function head(environment, versions) {
   return h("div", { class: "play-head" }, h("div", {}, h("h1", {}, words(name), " ", shown), h("p", {}, description)));
 }
 
-// The book's page, without the parts that this page shows itself.
+// Returns the book's page, without the sections that the page of the environment shows too.
 function about(book) {
   if (!book) return null;
   const whole = section(book.text.replace(/^/, "\n## All\n").replace(/\n## (?!All)/g, "\n### "), "All");
@@ -170,7 +171,7 @@ function about(book) {
   return h("details", { class: "card about" }, h("summary", {}, h("h2", {}, "About this task")), markdown(text));
 }
 
-// For an environment that needs a file of the user's.
+// Shows a file input for an environment that needs a file from the user, such as a ROM.
 function needs(main, engine, environment, heading, refresh) {
   const input = h("input", { type: "file", accept: ".bin,.a26,.rom" });
   const answer = h("p", { role: "status" });

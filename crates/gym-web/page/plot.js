@@ -14,7 +14,7 @@ export function ticks(low, high, count) {
 
 const label = (tick) => String(Number(tick.toPrecision(6))).replace("-", "−");
 
-// Draws series of {values, colour, dots, width, start}, which share their axes.
+// Draws series of the form `{values, colour, dots, width, start}` with common axes.
 export function plot(canvas, series, { from = 1, line = null } = {}) {
   const ratio = devicePixelRatio || 1;
   const width = canvas.clientWidth;
@@ -24,7 +24,8 @@ export function plot(canvas, series, { from = 1, line = null } = {}) {
   const pen = canvas.getContext("2d");
   pen.scale(ratio, ratio);
   pen.font = "11px system-ui, sans-serif";
-  // the scale ignores the most extreme hundredth of each series, and a tenth of a series in the background
+  // the axis ignores the lowest and the highest hundredth of each series, and the lowest and the highest twentieth of a
+  // series in the background
   let [low, high] = [Infinity, -Infinity];
   for (const { values, background } of series) {
     const stride = Math.ceil(values.length / 4000);
@@ -77,7 +78,8 @@ export function plot(canvas, series, { from = 1, line = null } = {}) {
     pen.lineJoin = "round";
     pen.beginPath();
     let drawn = false;
-    // if there are more values than pixels: the last value of each column, or in the background the least and the greatest
+    // if there are more values than pixel columns: the last value of each column, or for the background the least and
+    // the greatest
     const every = Math.max(1, Math.floor(values.length / (right - left)));
     for (let i = 0; i < values.length; i += every) {
       const part = every > 1 ? values.slice(i, i + every).filter(Number.isFinite) : [values[i]];

@@ -1,14 +1,14 @@
-// The returns of the episodes that have ended, and the comparison of policies.
+// The returns of finished episodes, and the comparison of policies.
 import { h, number } from "./dom.js";
 import { POLICIES } from "./hands.js";
 import { plot } from "./plot.js";
 import { card } from "./state.js";
 
 const COLOURS = { good: "--good", random: "--random", none: "--you", learner: "--good", script: "--quiet" };
-const MOST = 500; // episodes that are kept
+const MOST = 500; // episodes in the chart
 const COMPARED = 20; // episodes of each policy
 
-// The card, `add(episode)`, `show()` and `end()`.
+// Returns the card, and the functions `add(episode)`, `show()` and `end()`.
 export function makeReturns(game) {
   const episodes = [];
   const chart = h("canvas", { class: "chart", role: "img", "aria-label": "Returns of the episodes" });
@@ -40,7 +40,7 @@ function showEpisodes(chart, text, episodes, threshold) {
   text.replaceChildren(...parts, threshold === null ? "" : `. The dashed line: solved at ${number(threshold)}.`);
 }
 
-// Plays episodes of each policy in an environment beside the one that is shown; a second click stops.
+// Makes the button that plays episodes of each policy, in another environment than the shown one. A second click stops.
 function makeComparison(game, add) {
   const { engine, environment } = game;
   const policies = environment.policy ? ["good", "random"] : ["random"];

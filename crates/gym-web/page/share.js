@@ -1,4 +1,4 @@
-// The actions of an episode as a part of an address: JSON, deflated, in base64 for URLs.
+// The actions of an episode as text in an address: JSON, compressed with deflate, in URL-safe base64.
 
 async function through(bytes, stream) {
   return new Uint8Array(await new Response(new Blob([bytes]).stream().pipeThrough(stream)).arrayBuffer());

@@ -1,4 +1,4 @@
-// What comes out of an episode: a GIF, a trace, links, and code that begins it.
+// Exports of an episode: a GIF, a trace, links, and code that starts the episode.
 import { snippets } from "./arguments.js";
 import { copy, download, h } from "./dom.js";
 import { link } from "./gallery.js";
@@ -7,7 +7,7 @@ import { card } from "./state.js";
 
 const GIF_FRAMES = 600;
 
-// The cards, `address(withActions)` and `showCode(seed)`.
+// Returns the cards, and the functions `address(withActions)`, `showCode(seed)` and `forget()`.
 export function makeSharing(game) {
   const { asked, engine, id } = game;
   async function address(withActions) {
@@ -37,7 +37,7 @@ export function makeSharing(game) {
   return { cards: [card("Share this episode", h("div", { class: "buttons" }, buttons), note), card("In code", code)], address, showCode, forget };
 }
 
-// A button that downloads what the module answers.
+// Makes a button that downloads the module's answer to `request`.
 function fileButton(game, label, request, type, extension) {
   const button = h("button", { type: "button" }, label);
   button.addEventListener("click", async () => {
@@ -53,7 +53,7 @@ function fileButton(game, label, request, type, extension) {
   return button;
 }
 
-// A button that copies an address.
+// Makes a button that copies an address.
 function linkButton(game, label, address) {
   const button = h("button", { type: "button" }, label);
   button.addEventListener("click", () => address().then((hash) => copy(new URL(hash, location.href).href, button)).catch(game.report));

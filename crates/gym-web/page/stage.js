@@ -1,8 +1,9 @@
-// The picture of an environment, with a camera that can be turned, and the state of its episode over it.
+// The picture of an environment, the camera that the user can turn, and the end of the episode as text over the
+// picture.
 import { isTouched } from "./address.js";
 import { h, number } from "./dom.js";
 
-// The elements, and `fit()`, `paint` on `canvas`, `byHand(is)`, `over(state)`.
+// Returns the elements, and the functions `fit(env)`, `byHand(is)` and `over(state)`.
 export function makeStage(game) {
   const canvas = h("canvas", { class: "picture", width: 600, height: 400, role: "img", "aria-label": `Picture of ${game.id}` });
   const badge = h("span", { class: "badge", hidden: true }, "You");
@@ -15,7 +16,7 @@ export function makeStage(game) {
   byKeys(canvas, game, camera);
   return {
     element, canvas, hint,
-    // Takes the size of the environment that is played now.
+    // Applies the picture's size of a newly opened environment.
     fit({ size: [width, height], turns }) {
       element.style.aspectRatio = `${width} / ${height}`;
       element.style.setProperty("--wide", width / height);
@@ -27,7 +28,7 @@ export function makeStage(game) {
     byHand(is) {
       badge.hidden = !is;
     },
-    // Says how the episode ended, if it has.
+    // Shows how the episode ended, if it has ended.
     over({ terminated, truncated, steps, return: sum }) {
       overlay.hidden = !(terminated || truncated);
       if (!overlay.hidden) overlay.replaceChildren(h("strong", {}, terminated ? "Terminated" : "Truncated"), ` after ${steps} steps, return ${number(sum)}`);
@@ -35,7 +36,7 @@ export function makeStage(game) {
   };
 }
 
-// Turns the camera at most once for each picture of the screen: the turns between them add up.
+// Returns a function that turns the camera. Turns are summed, and sent at most once per animation frame.
 function makeCamera({ engine }) {
   let turned = null;
   return (play, azimuth, elevation, zoom = 1) => {
@@ -49,7 +50,7 @@ function makeCamera({ engine }) {
   };
 }
 
-// One pointer turns, two come nearer, and so does the wheel with Ctrl.
+// One pointer turns the camera; two pointers, or Ctrl with the wheel, change its distance.
 function byPointers(canvas, game, turn) {
   const pointers = new Map();
   const distance = (a, b) => Math.hypot(a.clientX - b.clientX, a.clientY - b.clientY) || 1;
@@ -74,7 +75,7 @@ function byPointers(canvas, game, turn) {
   }, { passive: false });
 }
 
-// The arrows turn, plus and minus come nearer and go away, while the picture has the focus.
+// While the picture has the focus, the arrow keys turn the camera, and plus and minus change its distance.
 function byKeys(canvas, game, turn) {
   const turns = { ArrowLeft: [-5, 0], ArrowRight: [5, 0], ArrowUp: [0, -5], ArrowDown: [0, 5], "+": [0, 0, 0.9], "-": [0, 0, 1 / 0.9] };
   canvas.addEventListener("keydown", (event) => {

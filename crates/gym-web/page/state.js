@@ -1,4 +1,4 @@
-// What is known of the state: the return, the last step, the observation, `info` and the seed.
+// The state of the episode: return, last step, observation, `info` and seed.
 import { h, iconButton, number } from "./dom.js";
 import { observationView } from "./observation.js";
 import { names as observationNames } from "./pages.js";
@@ -14,7 +14,7 @@ function infoText(value) {
   return typeof value === "object" && value !== null ? JSON.stringify(value) : String(value);
 }
 
-// The cards, `open()` for another environment, `update(state)`, and the field of the seed.
+// Returns the cards, the seed field, `open(env)` for a newly opened environment, and `update(state)`.
 export function makeState(game, actionNames, book) {
   const sum = h("output", { class: "return" }, "0");
   const facts = h("dl", { class: "facts" });

@@ -1,9 +1,9 @@
-// Pause, steps forth and back, restart, and the speed.
+// The controls of time: pause, single steps, restart, and speed.
 import { h, icon, iconButton } from "./dom.js";
 
 const SPEEDS = [0.1, 0.25, 0.5, 1, 2, 4, 16, 64];
 
-// The element, `pause(is)`, `seek(step)`, `stepOn()`, and `update(state)`.
+// Returns the element, and the functions `pause(is)`, `seek(step)`, `stepOn()` and `update(state)`.
 export function makeTransport(game) {
   const { asked, engine } = game;
   const playButton = iconButton("pause", "Pause", () => pause(!asked.paused), { class: "icon-button primary" });
@@ -34,7 +34,8 @@ export function makeTransport(game) {
   return { element, pause, seek, stepOn: () => on.click(), update };
 }
 
-// Goes to a step. One request follows the other, and of the steps that are asked for meanwhile the last counts.
+// Returns a function that goes to a step. Only one request is sent at a time; of the steps requested meanwhile, only
+// the last one counts.
 function makeSeek(game, pause) {
   let seeking = null;
   return function seek(step) {

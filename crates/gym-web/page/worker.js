@@ -1,5 +1,5 @@
-// Runs the environments outside of the page's thread: answers requests, and steps the environments that play.
-// It is a classic script without imports, so that a page that was opened as a file can start it from a Blob.
+// Runs the environments in a worker: answers requests, and steps the environments that play. The script is a classic
+// script without imports, so that a page that was opened as a file can start it from a Blob.
 "use strict";
 
 let gym = null;
@@ -11,7 +11,7 @@ function start(module) {
   const { exports } = new WebAssembly.Instance(module, {});
   exports.__wasm_call_ctors();
   exports.start();
-  // each call may move the memory, so a view is used once
+  // a call may move the memory, so each view is used only until the next call
   const view = (at, length) => new Uint8Array(exports.memory.buffer, at, length);
   return {
     call(request, bytes) {
@@ -42,7 +42,7 @@ const call = (request, bytes) => gym.call(request, bytes).answer;
 //   by: "good", "random", "learner", "none"    idle: null (wait) or an action    held: the action of the keys that are down
 //   repeats: whether the last held action is repeated    script: actions to take first
 const loops = new Map();
-const END = 900; // milliseconds that the end of an episode is shown
+const END = 900; // how long the end of an episode is shown, in milliseconds
 let timer = null;
 
 function schedule() {
@@ -79,7 +79,7 @@ function advance(loop, now) {
     }
   } else {
     const steps = Math.min(Math.floor((now - loop.due) / period) + 1, Math.max(1, Math.ceil(loop.speed * 4)));
-    // if no step was taken in time, the missed steps are dropped
+    // without a step, for instance because no key is pressed, the missed steps are dropped
     if (!take(loop, steps, now)) {
       if (loop.paused) show(loop, now);
       loop.due = now + 30;
@@ -88,7 +88,7 @@ function advance(loop, now) {
   }
   loop.due = Math.max(loop.due + period, now - period);
   if (loop.done) loop.due = now + END;
-  // shows at most one picture per interval
+  // show at most one picture per `interval`
   if (loop.done || loop.paused || now - loop.shown >= loop.interval) show(loop, now);
 }
 
@@ -102,7 +102,7 @@ function take(loop, steps, now) {
     let action = null;
     let count = steps;
     if (loop.script && at >= loop.script.length) {
-      // the recorded actions end here; the page decides whether the episode goes on
+      // the recorded actions end here; the page decides whether the episode continues
       loop.script = null;
       loop.paused = true;
       postMessage({ loop: loop.env, scriptEnded: true });
@@ -134,7 +134,7 @@ function reset(loop, seed) {
   Object.assign(loop, { seed, done: false, told: false, lastHeld: null, nextSeed: String(BigInt(seed) + 1n) });
 }
 
-// Sends picture and state. The next picture waits until the page has shown this one.
+// Sends the picture and the state. The next picture waits until the page has shown this picture.
 function show(loop, now = performance.now()) {
   const { answer, attachment } = gym.call({ do: "frame", env: loop.env });
   const message = { loop: loop.env, state: loop.state, seed: loop.seed, frame: answer, pixels: attachment };
@@ -153,7 +153,7 @@ function show(loop, now = performance.now()) {
 }
 
 const handlers = {
-  // Opens an environment, resets it and shows it. It plays unless it is paused.
+  // Opens an environment, resets it and shows it. The environment plays unless it is paused.
   open({ env, id, kwargs, fit = null, seed, ...options }) {
     const description = call({ do: "make", env, id, kwargs, fit });
     const loop = {
@@ -182,7 +182,7 @@ const handlers = {
     show(loops.get(env));
     return null;
   },
-  // The page has shown the last picture: the next one may be sent.
+  // The page has shown the last picture, so the next picture may be sent.
   shown({ env }) {
     const loop = loops.get(env);
     if (loop) loop.waiting = false;

@@ -1,4 +1,4 @@
-// What a person would check, in a real browser: `cargo xtask web --test` opens this and prints what is posted.
+// Tests of the page in a real browser: `cargo xtask web --test` opens this page and prints the posted results.
 import { Engine, docs } from "/engine.js";
 import { hint } from "/hands.js";
 import { LESSONS, firstValues } from "/lessons.js";
@@ -20,7 +20,7 @@ async function test(name, body) {
   }
 }
 
-// The page itself, in a frame. What it complains about is an error of the test.
+// The page under test, in a frame. An error that the page logs fails the test.
 const frame = document.getElementById("page");
 const complaints = [];
 async function open(hash, ready = "main canvas") {
@@ -58,7 +58,7 @@ const parameters = new URLSearchParams(location.search);
 const colours = (pixels) => new Set(new Uint32Array(pixels.buffer)).size;
 const shown = (canvas) => new Uint8Array(canvas.getContext("2d").getImageData(0, 0, canvas.width, canvas.height).data);
 
-// the first of all, while neither the browser nor the server has anything at hand
+// this test runs first, before the browser and the server have cached anything
 await test("the first picture", async () => {
   const start = performance.now();
   await open("#/", ".tile canvas");
@@ -69,10 +69,10 @@ await test("the first picture", async () => {
 const engine = new Engine();
 const environments = await engine.request({ do: "list" });
 const has = (id) => environments.some((environment) => environment.id === id);
-// A test for galleries that have an environment: a plugin's has others.
+// Runs a test only if the gallery has the environment `id`; the gallery of a plugin has other environments.
 const testOf = (id, name, body) => (has(id) ? test(name, body) : Promise.resolve());
 let next = 1000;
-// An environment without a loop.
+// Makes an environment that the worker does not step by itself.
 async function make(id, seed = "0", kwargs = {}, fit = null) {
   const env = next++;
   const description = await engine.request({ do: "make", env, id, kwargs, fit });
@@ -91,7 +91,7 @@ if (parameters.has("single")) {
 
 await test("every environment of the book is in the list", async () => {
   const ids = new Set(environments.map(({ id }) => id));
-  // what no browser has: other engines, other programs
+  // ids that no browser can run: other physics engines, and other programs
   const others = /^rapier\//;
   const pages = Object.values(await docs());
   if (environments.length < 50 && has("CartPole-v1")) return `(a small module: ${ids.size} ids)`;
@@ -196,7 +196,7 @@ await testOf("CartPole-v1", "a GIF decodes to the pictures of the episode", asyn
   await decoder.tracks.ready;
   await decoder.completed;
   const frames = decoder.tracks.selectedTrack.frameCount;
-  // a picture that changes nothing prolongs the one before it
+  // (a picture without changes extends the duration of the picture before)
   check(frames <= steps + 1 && frames > steps / 2, `${frames} frames for ${steps} steps`);
   const { image } = await decoder.decode({ frameIndex: frames - 1 });
   const canvas = new OffscreenCanvas(image.displayWidth, image.displayHeight);
@@ -346,7 +346,8 @@ await test("speed", async () => {
   return `steps with pictures a second: ${rows.join(", ")}`;
 });
 
-// The mean return of the last episodes at which a lesson counts as learned, and the most episodes until then.
+// The mean return of the last episodes from which a lesson counts as learned, and the largest number of episodes until
+// then.
 const LEARNED = {
   "FrozenLake-v1": { last: 100, mean: 0.8, most: 20_000 },
   "CliffWalking-v1": { last: 100, mean: -70, most: 20_000 },
@@ -388,7 +389,7 @@ await testOf("CartPole-v1", "addresses that cannot be are told in words", async 
   await isTold("#/CartPole-v1?args=%7Boops", ".message.error", /arguments in this link are damaged/);
   await isTold("#/CartPole-v1?seed=-1", ".message.error", /“-1” is not a seed/);
   await isTold("#/CartPole-v1?speed=fast", ".message.error", /“fast” is not a speed/);
-  // it plays as if nothing had been asked for
+  // the page plays as if the address had no parameters
   await until(() => Number(text(".steps")) > 0, "a step");
 });
 

@@ -26,7 +26,8 @@ fn every_reference_is_of_a_known_kind() {
     }
 }
 
-/// A missing reference is a test that checks nothing: update the list when you add or remove one.
+/// A missing reference file would make a test check nothing. Update the list when you add or remove
+/// a file.
 #[test]
 fn no_reference_is_missing() {
     if std::env::var_os("GYM_REFERENCE").is_some() {

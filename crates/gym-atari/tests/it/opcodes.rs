@@ -108,7 +108,7 @@ fn program(opcode: u8) -> Vec<u8> {
             b'y' => vec![opcode, cell.wrapping_sub(y)],
             b'(' => vec![opcode, 0xa0u8.wrapping_sub(x)],
             b')' | b'R' => vec![opcode, 0xa0],
-            b'r' => vec![opcode, 0x02, 0xe6, 0xbf], // past inc $BF
+            b'r' => vec![opcode, 0x02, 0xe6, 0xbf], // branches over inc $BF
             b'*' => absolute(0xf7f0),
             b'a' if matches!(opcode, JSR | JMP) => absolute(after),
             b'a' => absolute(target),

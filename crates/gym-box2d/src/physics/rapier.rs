@@ -26,9 +26,9 @@
 //! Under Gymnasium's controllers the Kolmogorov-Smirnov distances of returns and lengths are below
 //! the 95 % critical value: over 400 seeds of BipedalWalker 0.06 and 0.06 (critical 0.10), with 28
 //! walks to the end on either engine; the result is similar on hardcore ground and for LunarLander.
-//! Over 600 seeds 96 % of landings end as they do on Box2D, with two throttles 100 %, and in wind
-//! 92 % over 800 seeds: with gravity -10.001 for -10, Box2D itself repeats 96 % and 92 % of its
-//! own.
+//! Over 600 seeds, 96 % of landings end as on Box2D; with two throttles, 100 %; in wind, 92 % over
+//! 800 seeds. For comparison: with gravity -10.001 instead of -10, 96 % of Box2D's own landings end
+//! as before, and 92 % in wind.
 
 use std::fmt;
 
@@ -51,7 +51,7 @@ use super::box2d::shape::{Geometry, Kind};
 use super::box2d::{Box2d, TimeStep, body::Body};
 use crate::physics::{BodyDef, ContactEvent, FixtureDef, RayHit, RevoluteJointDef};
 
-/// Stiffness of a motor: so large that only the motor's torque limit matters.
+/// The damping of a motor: so large that only the motor's torque limit matters.
 const MOTOR_DAMPING: f32 = 1e10;
 
 /// A world whose solver is rapier2d.

@@ -1,4 +1,4 @@
-"""Environments for the tests of the bridge: one of every kind of space, and some that misbehave."""
+"""Environments for the tests of the bridge: one for every kind of space, and some with faults."""
 import os
 import signal
 import time
@@ -25,7 +25,7 @@ SPACES = {
 
 
 class Echo(gymnasium.Env):
-    """Observes the last action, whatever its space is."""
+    """Observes the last action; the action space can be of any kind."""
 
     metadata = {"render_modes": ["rgb_array", "ansi"], "render_fps": 7}
 
@@ -47,7 +47,7 @@ class Echo(gymnasium.Env):
 
 
 class Bad(gymnasium.Env):
-    """Does what its action says."""
+    """Does what the action asks for, such as raising an error."""
 
     observation_space = spaces.Discrete(2)
     action_space = spaces.Discrete(6)
@@ -91,7 +91,7 @@ class Whim(spaces.Space):
 
 
 class Odd(gymnasium.Env):
-    """Returns and raises what no environment should: the one that its action says."""
+    """Returns or raises something invalid in each step; the action selects what."""
 
     STEPS = {
         "reward text": lambda self: ("1", "1.0", False, False, {}),
@@ -134,7 +134,7 @@ class Odd(gymnasium.Env):
 
 
 class Half(gymnasium.Env):
-    """Observes float16, and what it was asked to do in its info."""
+    """Observes float16. The info contains the type of the received action."""
 
     observation_space = spaces.Box(-2, 2, (2,), np.float16)
     action_space = spaces.Box(-1, 1, (2,), np.float32)
@@ -149,7 +149,7 @@ class Half(gymnasium.Env):
 
 
 class Observes(gymnasium.Env):
-    """Observes the elements that it is told, be they elements of its space or not."""
+    """Observes the given elements, which may lie outside of its space."""
 
     OBSERVATIONS = {
         "Discrete": (spaces.Discrete(3), [1.5, "1", None]),
@@ -174,7 +174,7 @@ class Observes(gymnasium.Env):
 
 
 class Widens(gymnasium.Env):
-    """Counts its steps in its info; a reset may ask for wider bounds, or for other actions."""
+    """Counts its steps in its info. A reset option selects wider bounds or other actions."""
 
     def __init__(self, start=0):
         self.observation_space = spaces.Box(0.0, 1.0, (1,), np.float32)
@@ -214,7 +214,7 @@ gymnasium.register("bridge/Bad-v0", Bad)
 
 
 class Large(gymnasium.Env):
-    """Observes as many bytes as it is told."""
+    """Observes the given number of bytes."""
 
     action_space = spaces.Discrete(2)
 
@@ -236,7 +236,7 @@ gymnasium.register("bridge/Large-v0", Large)
 
 
 class Lies(gymnasium.Env):
-    """Has no sound space, metadata or picture: the fault that it is told."""
+    """Has an invalid space, metadata or picture; an argument selects the fault."""
 
     metadata = {"render_modes": ["rgb_array", "ansi"], "render_fps": 7}
 

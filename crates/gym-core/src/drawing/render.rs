@@ -336,8 +336,8 @@ pub fn painter() -> Option<Box<dyn Painter>> {
 
 /// A live window. A rendering crate submits a [`ScreenProvider`].
 pub trait Screen: Send {
-    /// Shows a frame once the last one has been visible for its time. Returns whether the window is
-    /// still open; if not, at once.
+    /// Waits until the previous frame has been visible for its duration, then shows `frame`.
+    /// Returns whether the window is open; if it is closed, returns false at once.
     fn show(&mut self, frame: &Frame) -> bool;
 }
 

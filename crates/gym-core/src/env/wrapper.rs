@@ -165,8 +165,9 @@ pub trait Wrapper: Clone + Send + 'static {
     methods!(forward! hooks [Env]);
 }
 
-/// Gives another macro, behind `$words`, each method of [`Env`] that passes through a wrapper
-/// unchanged, with the name of its hook. `all` adds the methods whose hooks have other defaults.
+/// Calls the macro `$then` with `$words` and the signature of each method of [`Env`] that passes
+/// through a wrapper unchanged. The name of the method's hook follows the name of the method. `all`
+/// adds the methods whose hooks have other defaults.
 ///
 /// The list excludes `reset_into`, `step_into` and `restore`, because these methods may change the
 /// state of a layer.
@@ -199,9 +200,13 @@ macro_rules! methods {
 }
 pub(crate) use methods;
 
-/// Writes a method of [`methods`]: `declared`, without a body; `hooks`, the hook that calls
-/// `inner()`; `calls`, the method that calls the hook; `{.env}`, the method that calls the same
-/// method of `self.env`. A place is given twice, to be read and to be changed.
+/// Defines one method of [`methods`]. The first words select the form:
+///
+/// - `declared`: the method without a body;
+/// - `hooks`: the hook, which calls the method of `inner()`;
+/// - `calls`: the method, which calls the hook;
+/// - `{.env} {.env}`: the method, which calls the same method of `self.env`. The first place is for
+///   methods that take `&self`, the second for methods that take `&mut self`.
 macro_rules! forward {
     (declared fn $name:ident $hook:ident $arguments:tt $(-> $result:ty)?) => {
         fn $name $arguments $(-> $result)?;

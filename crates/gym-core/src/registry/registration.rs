@@ -30,7 +30,7 @@ const NATIVE_VECTORS: bool = !cfg!(all(target_arch = "wasm32", target_os = "unkn
 /// the spec. It respects `max_episode_steps`.
 pub type VectorEntryPoint = fn(&VectorSpec) -> Result<Box<dyn VectorEnv>>;
 
-/// Makes the function that begins the steps of several environments together.
+/// Makes an empty group, in which several environments step together.
 type MakeSlotGroup = fn() -> Box<dyn SlotGroup<BoxEnv>>;
 
 /// An external requirement of an environment, such as ROMs.
@@ -333,7 +333,8 @@ impl Registration {
         Ok(table)
     }
 
-    /// The function that begins the steps of several environments of this id.
+    /// Returns an empty group, in which environments of this id step together; `None` if the
+    /// environments do not support this.
     pub(super) fn slot_group(&self) -> Option<Box<dyn SlotGroup<BoxEnv>>> {
         self.lockstep.map(|lockstep| lockstep())
     }

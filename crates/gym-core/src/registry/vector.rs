@@ -87,7 +87,7 @@ impl VectorSpec {
     /// The errors of [`make_vec`].
     pub fn make_async(&self) -> Result<AsyncVectorEnv> {
         let mut vector = AsyncVectorEnv::new(self.envs()?)?;
-        // (a wrapper may change the action that a step is begun with)
+        // (a wrapper may change an action after the group has begun the step with it)
         let lockstep = find(&self.env.id)?
             .slot_group()
             .filter(|_| self.env.additional_wrappers.is_empty());

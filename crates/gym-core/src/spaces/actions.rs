@@ -34,10 +34,7 @@ pub trait ActionColumn: Element + Copy {
     /// The action; an arbitrary one if the item is not valid.
     fn from_item(item: Self::Item) -> Self;
 
-    /// Refuses an action that cannot be executed: most types have none.
-    ///
-    /// # Errors
-    /// [`Error::InvalidAction`](crate::Error::InvalidAction).
+    /// Refuses an action that cannot be executed. Most types have no such actions.
     #[inline(always)]
     fn check(&self, space: impl Fn() -> Space) -> Result<()> {
         let _ = space;
@@ -68,7 +65,7 @@ pub enum Actions<'a, const N: usize> {
     Single(&'a [[f32; N]]),
     /// `float64`.
     Double(&'a [[f64; N]]),
-    /// Each an action.
+    /// A list with one value per action.
     Each(&'a [Value]),
 }
 

@@ -406,9 +406,9 @@ fn uniform(rng: &mut Generator, start: f64, end: f64) -> f64 {
     }
 }
 
-/// A drawn number as an element: integer types round down, within the bounds.
+/// Converts a drawn number to an element. Integers are rounded down and kept within the bounds.
 fn settle<T: Numeric>(x: f64, low: T, high: T) -> T {
-    /// If numpy's cast to `int64` overflows, the smallest number.
+    /// From this number on, numpy's cast to `int64` overflows to the smallest `int64`.
     const I64_END: f64 = (1u64 << 63) as f64;
 
     if T::DTYPE.is_float() {
@@ -448,7 +448,7 @@ impl From<BoxSpace> for Description {
                     Number::Float(infinity)
                 })
             };
-            // Equal numbers, except that the sign of zero survives.
+            // 0 and -0 are different here, so that the sign of a zero bound survives.
             let sign = |bound: &Json| bound.as_f64().map(f64::is_sign_negative);
             let same = |a: &Json, b: &Json| a == b && sign(a) == sign(b);
             let mut all: Vec<Json> = Number::all(bounds.data())

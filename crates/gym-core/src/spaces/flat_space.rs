@@ -146,7 +146,8 @@ impl Space {
     }
 }
 
-/// The index, then numbers from the smallest to the largest of all spaces.
+/// Returns the flat space of a `OneOf`: an index, then numbers between the least and the greatest
+/// bound of all its spaces.
 fn flat_one_of(space: &OneOfSpace, dtype: DType, len: usize) -> Result<BoxSpace> {
     let boxes = space
         .spaces()

@@ -163,7 +163,7 @@ impl Space {
         }
     }
 
-    /// Some elements, stacked as in a sequence.
+    /// Reads elements that are stacked as in a sequence.
     fn read_stacked(&self, json: &Json) -> Result<Value, Fault> {
         match self {
             Self::Tuple(space) => read_tuple(space, json, Self::read_stacked),
@@ -172,7 +172,7 @@ impl Space {
         }
     }
 
-    /// A list of elements.
+    /// Reads a list of elements.
     fn read_list(&self, json: &Json) -> Result<Vec<Value>, Fault> {
         let items = list(json)?.iter().enumerate();
         items

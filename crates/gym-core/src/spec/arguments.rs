@@ -109,7 +109,8 @@ pub fn read<C: Arguments>(defaults: &C, version: u32, given: &Kwargs, whose: &st
         .map_err(|reason| Error::argument(whose, reason))
 }
 
-// the functions below are compiled once, and `parse` once for each type, instead of at each use
+// not in the macro, so that the compiler makes one copy of these functions (of `parse`, one for
+// each type), not one for each call
 
 /// An error text that names the argument missing from the table, for this version.
 fn check_names(
@@ -174,7 +175,8 @@ fn parse<C: Arguments>(arguments: Kwargs) -> std::result::Result<C, String> {
     serde_json::from_value(Json::Object(arguments)).map_err(|error| error.to_string())
 }
 
-/// serde's message, with the name of the failing argument, which serde does not give.
+/// Returns serde's message, preceded by the name of the wrong argument, which serde does not tell.
+/// `fails` tells whether the arguments are invalid.
 fn explain(error: &str, given: &Kwargs, fails: fn(Kwargs) -> bool) -> String {
     let mut alone = given
         .iter()

@@ -81,7 +81,7 @@ impl<const N: usize> Default for Continuous<N> {
     }
 }
 
-/// The numbers.
+/// Prints the numbers in their precision.
 impl<const N: usize> fmt::Debug for Continuous<N> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self.precision {

@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 
 /// A number type that an [`Array`](crate::Array) can hold.
 pub trait Scalar: Copy + Default + fmt::Debug + PartialEq + Send + Sync + 'static {
-    /// Its tag.
+    /// The [`DType`] of this type.
     const DTYPE: DType;
     /// Wraps numbers of this type.
     fn into_data(values: Vec<Self>) -> Data;
@@ -115,8 +115,8 @@ macro_rules! dtypes {
                 }),* }
             }
 
-            /// Overwrites the numbers with the next bytes of a stream, which are copied once, from
-            /// its buffer.
+            /// Overwrites the numbers with the next bytes of `stream`. Each byte is copied only
+            /// once, from the stream's buffer.
             pub(crate) fn read_from(&mut self, stream: &mut impl BufRead) -> io::Result<()> {
                 match self { $(Self::$variant(values) => {
                     let mut done = 0;
@@ -127,8 +127,7 @@ macro_rules! dtypes {
                         let mut count = numbers.len().min(left.len());
                         stream.consume(count * size_of::<$type>());
                         if count == 0 {
-                            // a number that the end of the buffer cuts in two, or the end of the
-                            // stream
+                            // the buffer ends in the middle of a number, or the stream has ended
                             let mut bytes = [0; size_of::<$type>()];
                             stream.read_exact(&mut bytes)?;
                             left[0] = <$type>::from_le_bytes(bytes);

@@ -104,7 +104,7 @@ impl PartialOrd for Number {
     }
 }
 
-/// A number type, seen through [`Number`].
+/// A number type that [`Number`] can hold exactly.
 pub(crate) trait Numeric: Scalar + PartialOrd {
     const MIN: Self;
     const MAX: Self;

@@ -29,7 +29,7 @@ pub trait Together: Default + Send + 'static {
     /// Computes the shared part for all environments that have begun.
     fn solve(&mut self);
 
-    /// Forgets them.
+    /// Forgets the environments that have begun.
     fn clear(&mut self);
 }
 
@@ -56,8 +56,10 @@ pub trait Lockstep: Env {
     /// finishes it. That call does everything that cannot begin here, and returns the errors.
     fn begin_step(&mut self, action: &Self::Action, group: &mut Self::Group);
 
-    /// Takes the result of [`Together::solve`], and releases its place in the group. The last begin
-    /// came since the group was cleared; it may have had nothing to begin.
+    /// Takes the result of [`Together::solve`], and releases this environment's place in the group.
+    /// The environment called [`begin_reset`](Self::begin_reset) or
+    /// [`begin_step`](Self::begin_step) after the group was last cleared, but may have had nothing
+    /// to solve.
     fn collect(&mut self, group: &mut Self::Group);
 }
 

@@ -44,12 +44,13 @@ pub use sync::SyncVectorEnv;
 /// Whether the observation spaces of sub-environments may differ: Gymnasium's `observation_mode`.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
 pub enum ObservationMode {
-    /// They are equal.
+    /// The observation spaces are equal.
     #[default]
     Same,
-    /// Their bounds may differ, but not their [form](Space::has_form_of).
-    /// [`VectorEnv::single_observation_space`] is that of the first, and
-    /// [`VectorEnv::observation_space`] [has a row](Space::batch_differing) for each.
+    /// The bounds of the spaces may differ, but not the [form](Space::has_form_of).
+    /// [`VectorEnv::single_observation_space`] is the space of the first sub-environment, and
+    /// [`VectorEnv::observation_space`] [has a row](Space::batch_differing) for each
+    /// sub-environment.
     Different,
 }
 

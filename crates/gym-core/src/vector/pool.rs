@@ -4,9 +4,9 @@
 //! results, so nothing is shared and nothing is locked. `home[i]` is `None` while a worker owns
 //! environment `i`.
 //!
-//! Actions and results travel in the group, side by side. What a worker has written lies in the
-//! cache of its core, and the calling thread would wait for the memory of each sub-environment in
-//! turn.
+//! A group holds the actions and results of its sub-environments side by side in memory. If each
+//! sub-environment held its own result, the calling thread would wait for one cache miss per
+//! sub-environment, because the result is in the cache of the worker's core.
 
 use std::any::Any;
 use std::collections::VecDeque;
@@ -314,9 +314,9 @@ impl<E: Env> AsyncVectorEnv<E> {
         share.div_ceil(together).div_ceil(GROUPS_PER_THREAD) * together
     }
 
-    /// Moves the sub-environments with a request into a group with room for `room`
-    /// sub-environments. Steps take the rows of `actions` from the given one on. After an error,
-    /// call [`unpack`](Self::unpack).
+    /// Moves the sub-environments `indices` that have a request into a group with space for `room`
+    /// sub-environments. `actions` is a batch, and the row from which steps take their actions.
+    /// After an error, call [`unpack`](Self::unpack).
     fn pack(
         &mut self,
         indices: Range<usize>,

@@ -25,12 +25,13 @@ pub struct VectorReset {
 /// Seeds for the sub-environments of a vector.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub enum Seeds {
-    /// Each carries its generator on.
+    /// Each sub-environment continues its generator.
     #[default]
     None,
-    /// The seed of the first; the next ones have this plus 1, plus 2, ...
+    /// The seed of the first sub-environment. Each next sub-environment has the seed before, plus
+    /// 1.
     From(Seed),
-    /// The seed of each; `None` continues the generator.
+    /// The seed of each sub-environment; `None` continues its generator.
     Each(Vec<Option<Seed>>),
 }
 

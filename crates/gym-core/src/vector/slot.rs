@@ -35,7 +35,7 @@ enum Stage {
     Running,
     Done,
     Panicked,
-    /// Whether a caller reset, stepped or restored the environment itself.
+    /// A caller reset, stepped or restored the environment directly.
     Moved,
     Closed,
 }
@@ -52,7 +52,7 @@ pub(crate) enum Request {
 pub(super) struct StoredSlot {
     env: Snapshot,
     stage: Stage,
-    /// Whether [`info`](Slot::info) has entries.
+    /// What the last request did; this decides whether [`info`](Slot::info) has entries.
     progress: Progress,
     observation: Value,
 }
@@ -209,7 +209,7 @@ impl<E: Env> Slot<E> {
         Ok(())
     }
 
-    /// Takes the action.
+    /// Steps the environment with `self.action`.
     fn advance(&mut self) -> Result<Outcome> {
         let Self {
             env, action, spare, ..

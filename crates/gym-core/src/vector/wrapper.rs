@@ -113,8 +113,9 @@ pub trait VectorWrapper: Any + Send {
     methods!(forward! hooks [VectorEnv]);
 }
 
-/// Gives another macro, behind `$words`, each method of [`VectorEnv`] that passes through a wrapper
-/// unchanged, with the name of its hook. `all` adds the methods whose hooks have other defaults.
+/// Calls the macro `$then` with `$words` and the signature of each method of [`VectorEnv`] that
+/// passes through a wrapper unchanged. The name of the method's hook follows the name of the
+/// method. `all` adds the methods whose hooks have other defaults.
 macro_rules! methods {
     (all $then:ident! $($words:tt)*) => {
         methods!($then! $($words)*);

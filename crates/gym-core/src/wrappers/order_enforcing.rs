@@ -1,4 +1,4 @@
-//! Calls in an order that makes no sense.
+//! A wrapper that refuses calls in a wrong order.
 
 use crate::drawing::render::Rendered;
 use crate::env::{BoxEnv, Env, Outcome};
@@ -102,8 +102,8 @@ impl<E: Env> crate::env::Wrapper for OrderEnforcing<E> {
     }
 
     fn on_spec(&self) -> Option<EnvSpec> {
-        // inside all other wrappers, this wrapper is the one of `make`; further outside, an
-        // additional wrapper
+        // directly around the environment, this wrapper counts as the one that `make` adds; outside
+        // another wrapper, it is an additional wrapper
         self.inner
             .spec()
             .map(|spec| match spec.additional_wrappers.is_empty() {

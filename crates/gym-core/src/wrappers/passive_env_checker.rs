@@ -1,4 +1,4 @@
-//! The cheap part of conformance.
+//! A wrapper that makes the cheap checks of conformance.
 
 use crate::env::{BoxEnv, Env, Outcome};
 use crate::spaces::Space;
@@ -85,8 +85,8 @@ impl<E: Env> crate::env::Wrapper for PassiveEnvChecker<E> {
     }
 
     fn on_spec(&self) -> Option<EnvSpec> {
-        // inside all other wrappers, this wrapper is the one of `make`; further outside, an
-        // additional wrapper
+        // directly around the environment, this wrapper counts as the one that `make` adds; outside
+        // another wrapper, it is an additional wrapper
         self.inner
             .spec()
             .map(|spec| match spec.additional_wrappers.is_empty() {

@@ -1,4 +1,4 @@
-//! Frames gathered.
+//! A wrapper that collects frames.
 
 use crate::drawing::render::{RenderMode, Rendered};
 use crate::env::{BoxEnv, Env, EnvExt, Outcome};

@@ -1,4 +1,4 @@
-//! Episodes cut off.
+//! A wrapper that limits the length of episodes.
 
 use std::any::{Any, TypeId};
 
@@ -127,8 +127,8 @@ impl<E: Env> crate::env::Wrapper for TimeLimit<E> {
     fn on_spec(&self) -> Option<EnvSpec> {
         let limit = self.count.max_episode_steps;
         self.inner.spec().map(|spec| {
-            // the limit of `make` is inside all other wrappers; a shorter limit replaces the limit
-            // of `make`
+            // directly around the environment, this limit counts as the limit of `make`, and a
+            // shorter one replaces that limit
             let replaces = spec.max_episode_steps.is_none_or(|inner| limit <= inner);
             if replaces && spec.additional_wrappers.is_empty() {
                 EnvSpec {

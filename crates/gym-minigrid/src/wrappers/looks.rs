@@ -16,25 +16,25 @@ use crate::{Facts, Grid, Kind, Pos, World};
 
 /// A way to observe the world: the arguments of a wrapper.
 pub trait Look: WrapperConfig + Clone + std::fmt::Debug + Send + 'static {
-    /// The key of the observation's member that it writes.
+    /// The key under which the wrapper writes into the observation.
     const KEY: &'static str = "image";
 
-    /// The space of the member.
+    /// The space of the member with the key [`KEY`](Self::KEY).
     ///
     /// # Errors
     /// [`Error::InvalidArgument`] for an argument out of range.
     fn space(&self, facts: &Facts) -> Result<Space>;
 
-    /// The settings of its picture, if it is one.
+    /// The settings of the member's picture; `None` if the member is not a picture.
     fn pictured(&self, facts: &Facts) -> Option<Facts> {
         let _ = facts;
         None
     }
 
-    /// Writes the member. If it is a picture, it is already painted.
+    /// Writes the member `out`. If `out` is a picture, the picture is already painted.
     ///
     /// # Errors
-    /// [`Error::Custom`] if the world lacks the object that it looks for.
+    /// [`Error::Custom`] if the world lacks the object that the wrapper looks for.
     fn look(&self, world: &World, facts: &Facts, out: &mut Value) -> Result<()>;
 }
 
@@ -312,13 +312,13 @@ fn picture_space<C: Look>(facts: &Facts) -> Result<Space> {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Measure {
-    /// Rows by columns.
+    /// The slope: rows divided by columns.
     #[default]
     Slope,
     /// The arc tangent of the slope.
     Angle,
-    /// The angle of rows and columns, with the bits of the C library; numpy's last bit may differ
-    /// on CPUs with AVX-512.
+    /// `atan2(rows, columns)`, with the bits of the C library; numpy's last bit may differ on CPUs
+    /// with AVX-512.
     AngleAtan2,
 }
 

@@ -1,9 +1,10 @@
 //! Constraint rows: limits of joints and contacts, their Jacobians, impedances and reference
 //! accelerations.
 //!
-//! Rows belong to blocks: a limit is one row, a contact without friction is one, a contact with
-//! friction is a pyramid of four, `n + mu t1, n - mu t1, n + mu t2, n - mu t2`, of the Jacobians of
-//! the normal and the two tangents. Rows are dense, because libmujoco sums over zeros too; see
+//! Rows belong to blocks. A limit has one row, and so has a contact without friction. A contact
+//! with friction has four rows, one for each edge of its pyramid: `n + mu t1`, `n - mu t1`,
+//! `n + mu t2` and `n - mu t2`, where `n`, `t1` and `t2` are the Jacobians of the normal and the
+//! two tangents. Rows are dense, because libmujoco sums over zeros too; see
 //! [`dense`](super::dense).
 
 use super::bias;

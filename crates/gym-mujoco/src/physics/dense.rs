@@ -1,9 +1,9 @@
 //! Vectors and products of vectors in the order in which libmujoco sums them.
 //!
-//! libmujoco's `mju_dot` keeps four sums, of the elements 0, 4, 8, ..., of 1, 5, 9, ... and so on,
-//! which one AVX register holds, and adds a rest of one to three elements in the end. The order of
-//! a sum is part of its last bit, so every scalar product over degrees of freedom or rows is one of
-//! these, zeros included.
+//! libmujoco's `mju_dot` keeps four sums in an AVX register: of the elements 0, 4, 8, ..., of the
+//! elements 1, 5, 9, ... and so on. At the end, it adds the last one to three elements. The order
+//! of a sum decides its last bit, so every scalar product over degrees of freedom or rows uses this
+//! order, and includes zeros.
 
 /// Four consecutive elements of a vector. Elements after the end of the vector are zero.
 pub(crate) type Lanes = [f64; 4];

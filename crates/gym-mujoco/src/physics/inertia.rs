@@ -207,7 +207,8 @@ fn eliminate<const C: usize>(
     let columns = &plan.m_colind[plan.m_ancestors(k)];
     let diagonal = row.as_flattened().as_flattened()[columns.len()];
     let inv = 1.0 / diagonal;
-    // ancestors, from the nearest to the root; the row of one ends in the group of its own column
+    // ancestors, from the nearest to the root; an ancestor's row ends in the group of four that has
+    // the ancestor's own column
     if per_row > 1 {
         subtract::<C, C>(above, row, columns, 0, inv);
     } else {
@@ -250,11 +251,11 @@ fn subtract<const C: usize, const G: usize>(
     }
 }
 
-/// Numbers of the degrees of freedom on the way from the root of a tree to one of them, in the
-/// order of the rows of the inertia matrix.
+/// Two vectors with one element for each degree of freedom on the path from the root of a tree to a
+/// degree of freedom, in the order of a row of the inertia matrix.
 ///
-/// Degrees of freedom follow their parent or a descendant of it, so from one to the next only the
-/// end of the way changes.
+/// A degree of freedom comes after its parent, or after a descendant of its parent. So from one
+/// degree of freedom to the next, only the end of the path changes.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Way {
     x: Vec<Lanes>,

@@ -256,7 +256,7 @@ macro_rules! compiled {
 }
 
 compiled! {
-    /// A whole forward call, or one that is part of a step.
+    /// All stages of a forward call.
     evaluate: fwd_position fwd_velocity fwd_actuation fwd_acceleration fwd_constraint
 }
 compiled! {

@@ -363,7 +363,8 @@ pub(crate) fn inertia_at<N: Number>(
     offset: [N; 3],
     mass: f64,
 ) -> [N; 10] {
-    // the moments are multiplied with the second factor
+    // as in MuJoCo, a moment is first multiplied with the element of row `j`: the order decides the
+    // rounding
     let (r,) = (
         #[inline(always)]
         |i: usize, j: usize| {

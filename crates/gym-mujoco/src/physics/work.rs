@@ -20,9 +20,9 @@ pub(crate) struct Work {
     pub(crate) skips: bool,
     /// Composite inertias.
     pub(crate) crb: Vec<[f64; 10]>,
-    /// Motion axes on the way to a degree of freedom: four at a time, by components.
+    /// Motion axes on the path from the root to a degree of freedom: four at a time, by components.
     pub(crate) axes: Vec<[Lanes; 6]>,
-    /// A way through a tree.
+    /// Vectors over the path from the root of a tree to a degree of freedom.
     pub(crate) way: Way,
     /// Accelerations of bodies.
     pub(crate) acc: Vec<[f64; 6]>,

@@ -96,7 +96,7 @@ fn a_step_of_no_feature_allocates() {
                 d.ctrl.fill(push);
                 d.qfrc_applied.fill(0.1 * push);
                 let count = allocation_counter::measure(|| step(&m, &mut d)).count_total;
-                // the first step makes the buffers of the model's solver and integrator
+                // the first step allocates the buffers of the model's solver and integrator
                 assert!(
                     count == 0 || i == 0,
                     "{}, {revision}, step {i}",

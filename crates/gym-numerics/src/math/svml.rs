@@ -87,8 +87,9 @@ const LOGARITHMS: [[u64; 2]; 16] = [
     [0x3fa0_415d_89e8_0000, 0xbd57_7771_fd18_7145],
 ];
 
-/// The largest numbers, without their last 36 bits, whose inverse the CPU rounds to 32/32, 31/32,
-/// ... or more, with its instruction for approximate inverses (`vrcp14pd`, `vrndscalepd`).
+/// The largest numbers from 1 to 2 whose approximate inverse (the CPU's instructions `vrcp14pd` and
+/// `vrndscalepd`) is rounded to 32/32, 31/32, and so on. Each entry has the upper 28 bits of the
+/// number.
 const INVERSES: [u32; 16] = [
     0x3ff_040e, 0x3ff_0c96, 0x3ff_15b3, 0x3ff_1f6f, 0x3ff_29e5, 0x3ff_3522, 0x3ff_4142, 0x3ff_4e5e,
     0x3ff_5c98, 0x3ff_6c14, 0x3ff_7d06, 0x3ff_8f9b, 0x3ff_a419, 0x3ff_bacf, 0x3ff_d41b, 0x3ff_f07f,
@@ -135,7 +136,7 @@ pub(super) fn ln_1p<F: Fma>(x: f64) -> f64 {
     let main = base + r;
     let p = F::fma(p, r2, r - (main - base));
     let result = main + (p + F::fma(exponent, LN2[1], rest));
-    // the zeros have their sign
+    // a result of 0 has the sign of `x`
     f(result.to_bits() | x.to_bits() & 1 << 63)
 }
 

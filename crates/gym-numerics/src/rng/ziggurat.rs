@@ -79,7 +79,7 @@ impl Generator {
                 return if position >> 8 & 1 == 1 { -tail } else { tail };
             }
             let (above, below) = (FI_FLOAT[layer - 1], FI_FLOAT[layer]);
-            // in C the right side is double, because of its constant
+            // in C, the right side is a `double`, because the constant -0.5 is
             let density = exp(-0.5 * f64::from(x) * f64::from(x));
             if f64::from((above - below) * self.random_f32() + below) < density {
                 return x;

@@ -29,7 +29,7 @@ from importlib.util import find_spec
 from typing import Any
 
 import gymnasium
-from gymnasium import (  # what we do not define is Gymnasium's
+from gymnasium import (  # the names that this package does not replace
     ActionWrapper,
     ObservationWrapper,
     RewardWrapper,

@@ -253,7 +253,7 @@ class Wheel(Body):
 
     @property
     def joint(self) -> Joint:
-        """The joint that holds it."""
+        """The joint that holds the wheel."""
         return Joint(self._env, lambda episode: int(episode["car"]["wheels"][self._index]["joint"]))
 
 
@@ -303,5 +303,5 @@ class Leg(Body):
 
     @property
     def ground_contact(self) -> bool:
-        """Whether it touches the ground."""
+        """Whether the leg touches the ground."""
         return bool(self._env._episode()["ground_contact"][self._index])

@@ -68,7 +68,7 @@ class Live:
         return value
 
     def __set__(self, env: Env, value: Any) -> None:
-        self.write(env, value)  # what is wrong with it is said here
+        self.write(env, value)  # raises an error for a bad value
         self._hand(env, value)
 
     def _hand(self, env: Env, value: Any) -> None:

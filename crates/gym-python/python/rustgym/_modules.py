@@ -36,10 +36,10 @@ def _is_theirs(name: str) -> bool:
     """Whether ``name``, which begins with ``rustgym.``, stands for a module of Gymnasium's."""
     try:
         return find_spec(_THEIRS + name.removeprefix(_OURS)) is not None
-    except ImportError:  # a module above it is none, or lacks what it imports
+    except ImportError:  # the parent does not exist, is not a package, or cannot import a dependency
         return False
     except Exception as error:
-        if type(error).__module__ == "gymnasium.error":  # such as MuJoCo's modules without MuJoCo
+        if type(error).__module__ == "gymnasium.error":  # for example, MuJoCo is not installed
             return False
         raise
 

@@ -123,7 +123,7 @@ class Mirror:
         seen = np.frombuffer(self._seen_state)
         written = self._state.copy()
         changed = {}
-        # whether anything differs beside the arrays that the Rust engine has
+        # whether anything differs apart from the arrays that the Rust engine knows
         mujoco, data = _library(), self.data
         current = self._known()
         mujoco.mj_setState(self.model, data, seen, self._everything)
@@ -207,7 +207,7 @@ def _spans(model: Any) -> list[npt.NDArray[np.uint8]]:
     spans: list[tuple[Any, int, int]] = []
     for array in arrays:
         start, end = array.ctypes.data, array.ctypes.data + array.nbytes
-        if spans and 0 <= start - spans[-1][2] <= 64:  # what lies between is the space that aligns it
+        if spans and 0 <= start - spans[-1][2] <= 64:  # the gap is only padding for alignment
             spans[-1] = (spans[-1][0], spans[-1][1], max(end, spans[-1][2]))
         else:
             spans.append((array, start, end))

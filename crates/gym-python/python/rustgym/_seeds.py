@@ -68,7 +68,7 @@ class Seeds:
         seeds = self.take(indices, n)
         fresh, fresh_infos = native.reset(None, seeds, None, ended.tolist())
         if self._mode is AutoresetMode.NEXT_STEP:
-            # resets now, so that the next step is allowed; that step resets them again
+            # the native vector refuses a step before this reset; the next step resets again with the same seed
             self._due = {int(index): seeds[index] or "" for index in indices}
             return observations, rewards, terminated, truncated, infos
         last = np.full(n, None, dtype=object)

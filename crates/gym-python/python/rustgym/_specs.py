@@ -49,7 +49,7 @@ def spec_of(env_id: str) -> dict[str, Any]:
     try:
         return SPECS[env_id]
     except KeyError:
-        native.describe(env_id)  # raises, and says what is near the name
+        native.describe(env_id)  # raises an error that suggests similar ids
         raise
 
 
@@ -68,7 +68,7 @@ def native_arguments(env_id: str, arguments: Mapping[str, Any]) -> str:
 
 
 def _find_model(xml_file: str) -> None:
-    """Raises what Gymnasium raises for a model that is nowhere."""
+    """Raises Gymnasium's error if the model ``xml_file`` does not exist."""
     if xml_file.startswith((".", "/", "~")):
         if not os.path.exists(path := os.path.expanduser(xml_file)):
             raise OSError(f"File {path} does not exist")

@@ -90,19 +90,19 @@ class Env(gymnasium.Env[Any, Any], metaclass=_Kind):
     # whether a picture was drawn, and whether the environment was closed
     _has_drawn = _was_closed = False
 
-    # whether a step does more than the native one: it follows a generator held outside, or shows a picture
+    # whether a step must do more than the native step: synchronize objects that users hold, or show a picture
     _is_watched = True
     _generator: np.random.Generator | None = None
     _window: Window | None = None
 
-    # the objects that attributes of the kind `Live` have handed out, by their names, and what they said last
+    # by attribute name: the objects that users have read from `Live` attributes, and copies of them from the last comparison
     _handed: dict[str, Any] | None = None
     _seen: dict[str, Any] = {}
 
     # frames per second with the default arguments
     _fps: int | None = None
 
-    # None in a class of somebody's own, which brings its own `reset` and `step`
+    # None in a user's subclass made without an id: it defines its own `reset` and `step`
     _native: native.Env = None  # type: ignore[assignment]
 
     def __init__(self, env_id: str | None = None, *, render_mode: str | None = None, **kwargs: Any) -> None:
@@ -133,7 +133,7 @@ class Env(gymnasium.Env[Any, Any], metaclass=_Kind):
             self.metadata = metadata_from(description)
         self.observation_space = space_from(description["observation_space"])
         self.action_space = space_from(description["action_space"])
-        if description["render_fps"] != self._fps:  # it follows the length of a step
+        if description["render_fps"] != self._fps:  # arguments can change the duration of a step
             self.metadata = {**self.metadata, "render_fps": description["render_fps"]}
 
     @staticmethod
@@ -151,7 +151,7 @@ class Env(gymnasium.Env[Any, Any], metaclass=_Kind):
         try:
             return native.Env(self.env_id, kwargs, mode, self._wrappers)
         except gymnasium.error.UnsupportedMode:
-            # Gymnasium's environments take any mode, of which `make` warns; `render` says which there are
+            # Gymnasium's environments accept any mode. `make` warns of an unknown one, and `render` raises an error
             return native.Env(self.env_id, kwargs, None, self._wrappers)
 
     def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[Any, dict[str, Any]]:
@@ -191,7 +191,7 @@ class Env(gymnasium.Env[Any, Any], metaclass=_Kind):
         return result
 
     def _open_window(self, reason: str) -> None:
-        """Goes on with a window of pygame, where no other can be opened."""
+        """Opens a window of pygame, because the Rust side cannot open one."""
         self._window = Window(self.env_id, self.metadata["render_fps"], reason)
         snapshot = self._native.snapshot()
         self._native = native.Env(self.env_id, self._native.arguments(), "rgb_array", self._wrappers)
@@ -228,14 +228,14 @@ class Env(gymnasium.Env[Any, Any], metaclass=_Kind):
         return result
 
     def _push(self, call: str = "") -> None:
-        """Brings the environment to what the objects say that were handed out, before a ``call``: a reset or step, or another."""
+        """Writes the objects that users hold to the environment; ``call`` is ``"reset"``, ``"step"`` or empty."""
         self._push_generator()
         for name in list(self._handed or ()):
             attribute: Live = getattr(type(self), name)
             attribute.push(self, self._handed[name], call)  # type: ignore[index]
 
     def _follow(self, is_reset: bool = False) -> None:
-        """Brings the objects that were handed out to the environment's state."""
+        """Updates the objects that users hold after a step or reset."""
         self._pull_generator()
         for name in list(self._handed or ()):
             attribute: Live = getattr(type(self), name)
@@ -245,26 +245,26 @@ class Env(gymnasium.Env[Any, Any], metaclass=_Kind):
         self._watch()
 
     def _push_into_vector(self) -> None:
-        """As ``_push``, for an environment of a vector, which is stepped there: all that matters must be in the native one."""
+        """Like ``_push``, for an environment that a vector steps: all changes must go into the native environment."""
         self._push()
 
     def _drop(self, name: str) -> None:
-        """Lets go of an object that was handed out: the next who asks gets a new one."""
+        """Forgets the object of the attribute ``name``: the next read makes a new one."""
         if self._handed:
             self._handed.pop(name, None)
             self._seen.pop(name, None)
 
     def _watch(self) -> None:
-        """Whether anybody outside holds something that must be looked at in each step."""
+        """Finds out whether a step has objects to synchronize or a window to update, and sets `_is_watched`."""
         held = self._native is None or self._generator is not None or self._window is not None or self._handed
         self._set_watched(bool(held))
 
     def _set_watched(self, is_watched: bool) -> None:
-        # where a step does no more than the native one, it is that one: this saves a call
+        # if nothing is watched, `step` becomes the native method itself, which saves a call
         own = self.__dict__
         own["_is_watched"] = is_watched
         if "step" in own and not isinstance(getattr(own["step"], "__self__", None), native.Env):
-            return  # somebody's own
+            return  # a user has set `step`
         if is_watched or type(self).step is not Env.step:
             own.pop("step", None)
         else:
@@ -291,7 +291,7 @@ class Env(gymnasium.Env[Any, Any], metaclass=_Kind):
             modes = ", ".join(self.metadata["render_modes"])
             raise gymnasium.error.UnsupportedMode(f"{self.env_id} cannot render as {self.render_mode}: its modes are {modes}")
         if self.render_mode.endswith("_list"):
-            # Gymnasium's environments give nothing here, too
+            # Gymnasium's environments return None here, too
             logger.warn(
                 f"{self.env_id} itself collects no frames for {self.render_mode}: gymnasium.make adds the wrapper that does"
             )
@@ -327,7 +327,7 @@ class Env(gymnasium.Env[Any, Any], metaclass=_Kind):
         self._follow(is_reset=True)
 
     def _rebuild(self, changed: dict[str, Any]) -> None:
-        """The environment as it is, with other values of arguments that cannot be set in the native one."""
+        """Replaces the native environment by one with the ``changed`` arguments, in the same state."""
         given = {**json.loads(self._native.arguments()), **changed}
         native = self._make_native(native_arguments(self.env_id, given))
         state = self._take_apart()[0]
@@ -340,14 +340,14 @@ class Env(gymnasium.Env[Any, Any], metaclass=_Kind):
         return self._native is not None and self._native.generator() is not None
 
     def _take_apart(self) -> tuple[Any, Any]:
-        """The stored state, and the part of it that is the episode: ``None`` before the first reset."""
+        """The snapshot, and the part of it that stores the episode, which is ``None`` before the first reset."""
         whole = json.loads(self._native.snapshot())
         inner = whole
-        while isinstance(inner, list):  # wrappers of the Rust side: `[what is within, their own]`
+        while isinstance(inner, list):  # a wrapper of the Rust side stores `[inner snapshot, its own state]`
             inner = inner[0]
         return whole, inner["episode"]
 
-    # -- the generator: Gymnasium and its wrappers draw from `np_random`, and look at it under its private name
+    # -- the generator: Gymnasium and its wrappers draw from `np_random`, and also read it as `_np_random`
 
     @property
     def _np_random(self) -> np.random.Generator | None:
@@ -374,7 +374,7 @@ class Env(gymnasium.Env[Any, Any], metaclass=_Kind):
         self._push_generator()
 
     def _pull_generator(self) -> None:
-        """Brings the generator that somebody holds to where the environment's is."""
+        """Copies the state of the native generator to the numpy generator, if a user has read one."""
         if self._generator is None or (state := self._native.generator()) is None:
             return
         state_high, state, inc_high, inc, half = json.loads(state)
@@ -386,7 +386,7 @@ class Env(gymnasium.Env[Any, Any], metaclass=_Kind):
         }
 
     def _push_generator(self) -> None:
-        """Brings the environment's generator to where the one is that somebody holds."""
+        """Copies the state of the numpy generator, if a user has read one, to the native generator."""
         if self._generator is None or self._native is None:
             return
         state = self._generator.bit_generator.state
@@ -416,12 +416,12 @@ class Env(gymnasium.Env[Any, Any], metaclass=_Kind):
         return twin
 
     def _lasting(self) -> dict[str, Any]:
-        """Copies of the objects that were handed out and are no part of a snapshot, such as a table."""
+        """Copies of the objects that users hold and snapshots do not contain, such as a table."""
         handed = (self._handed or {}).items()
         return {name: deepcopy(value) for name, value in handed if getattr(type(self), name).outlives_reset is True}
 
     def _take_lasting(self, objects: dict[str, Any]) -> None:
-        """Goes by what ``_lasting`` of another returned."""
+        """Takes over the objects that ``_lasting`` of another environment returned."""
         for name, value in objects.items():
             attribute: Live = getattr(type(self), name)
             attribute.copy(self, value)
@@ -434,7 +434,7 @@ class Env(gymnasium.Env[Any, Any], metaclass=_Kind):
         state = {**self.__dict__, "_window": None}
         if isinstance(getattr(state.get("step"), "__self__", None), native.Env):
             del state["step"]
-        if self._handed:  # what is no part of a snapshot is taken over again
+        if self._handed:  # the copy must write objects that snapshots do not contain: None counts as changed
             lasting = (name for name in self._seen if getattr(type(self), name).outlives_reset is True)
             state["_seen"] = {**self._seen, **dict.fromkeys(lasting)}
         return state
@@ -444,11 +444,11 @@ class Env(gymnasium.Env[Any, Any], metaclass=_Kind):
         if self._native is not None:
             self._watch()
 
-    if not TYPE_CHECKING:  # where it would hide misspelt names
+    if not TYPE_CHECKING:  # type checkers would accept misspelt names because of it
 
         def __getattr__(self, name: str) -> Any:
             found = next((vars(base)[name] for base in type(self).__mro__ if name in vars(base)), None)
-            if hasattr(type(found), "__get__"):  # a property, which raises its own error once more
+            if hasattr(type(found), "__get__"):  # a property raised AttributeError: called again, it raises its own message
                 return found.__get__(self, type(self))
             hint = self._absent.get(name)
             raise AttributeError(f"{type(self).__name__!r} object has no attribute {name!r}" + (f": {hint}" if hint else ""))
@@ -469,7 +469,7 @@ class Env(gymnasium.Env[Any, Any], metaclass=_Kind):
         super().__setattr__(name, value)
 
     def _knows(self, name: str) -> bool:
-        """Whether setting an attribute is nothing to warn of: a class of somebody's own has attributes of its own."""
+        """Whether an attribute can be set without a warning: users' subclasses have attributes of their own."""
         if name in self.__dict__ or hasattr(type(self), name) or "arguments" not in self.__dict__:
             return True
         return type(self).__module__ != "rustgym.envs"
@@ -480,7 +480,7 @@ class ClassEnv(Env):
 
     _id: ClassVar[str]
 
-    # functions to further attributes of Gymnasium's class, which no step reads
+    # functions that compute further attributes of Gymnasium's class, which no step reads
     _beside: ClassVar[dict[str, Callable[[Any], Any]]] = {}
 
     def __init__(self, render_mode: str | None = None, **kwargs: Any) -> None:
@@ -491,7 +491,7 @@ class ClassEnv(Env):
 class TunableEnv(ClassEnv):
     """The base of the classes whose arguments are attributes that take effect when they are set, as Gymnasium's do."""
 
-    #: Functions from an argument's value to one of two names, where Gymnasium takes any other text as the second.
+    #: Functions from an argument's value to one of two names. Gymnasium treats any unknown text as the second name.
     _names: ClassVar[dict[str, Callable[[Any], Any]]] = {}
 
     def __init__(self, render_mode: str | None = None, **kwargs: Any) -> None:
@@ -513,7 +513,7 @@ class TunableEnv(ClassEnv):
 
 
 def checked_seed(seed: Any, name: str = "Seed") -> int:
-    """A seed as an integer of Python's; the Rust side refuses negative ones."""
+    """``seed`` as Python's ``int``. A negative seed passes: the Rust side raises the error."""
     try:
         return operator.index(seed)
     except TypeError:
@@ -522,7 +522,7 @@ def checked_seed(seed: Any, name: str = "Seed") -> int:
 
 
 def entropy() -> int:
-    """A seed from the operating system, as numpy takes it."""
+    """A seed from the operating system, drawn by numpy."""
     seed = np.random.SeedSequence().entropy
     assert isinstance(seed, int)
     return seed

@@ -150,7 +150,7 @@ def _ours(env_id: Any) -> Any:
         return env_id
     found = registry.find(env_id)
     if found is None and registry.is_ours_alone(env_id.rpartition("/")[0]):
-        native.describe(env_id)  # raises, and says what is near the name
+        native.describe(env_id)  # raises an error that suggests similar ids
     return found or env_id
 
 

@@ -25,7 +25,7 @@ __all__ = ["VectorEnv"]
 
 
 def _whole(name: str, number: Any, least: int) -> int:
-    """A whole number of at least ``least``."""
+    """``number`` as ``int``; raises an error that starts with ``name`` unless it is a whole number and at least ``least``."""
     try:
         whole = operator.index(number)
     except TypeError:
@@ -38,14 +38,14 @@ def _whole(name: str, number: Any, least: int) -> int:
 
 
 def _text(name: str, text: Any) -> str | None:
-    """A text, or none."""
+    """``text``, after a check that it is a text or ``None``."""
     if text is not None and not isinstance(text, str):
         raise TypeError(f"{name} is {text!r}: it must be a text or None")
     return text
 
 
 def _pixels(gray: bool, frame_stack: int) -> str:
-    """The wrappers of the Rust side that observe pictures, as JSON."""
+    """The Rust wrappers that make pictures the observations, as JSON."""
     wrappers: list[tuple[str, dict[str, Any]]] = [("AddRenderObservation", {"render_only": True})]
     if gray:
         wrappers.append(("GrayscaleObservation", {"keep_dim": False}))
@@ -97,7 +97,7 @@ class VectorEnv(gymnasium.vector.VectorEnv[Any, Any, Any]):
 
     metadata: dict[str, Any] = {"autoreset_mode": AutoresetMode.NEXT_STEP}
 
-    # the environments, once somebody asked for them
+    # the environments, from the first read of `envs`, `get_attr` or a similar method
     _envs: tuple[Env, ...] | None = None
     _keeps_envs = False
 
@@ -261,10 +261,10 @@ class VectorEnv(gymnasium.vector.VectorEnv[Any, Any, Any]):
         return result
 
     def _watch(self) -> None:
-        # where a step does no more than the native one, it is that one: this saves a call
+        # if there is nothing to synchronize, `step` becomes the native method itself, which saves a call
         own = self.__dict__
         if "step" in own and not isinstance(getattr(own["step"], "__self__", None), _native.Vector):
-            return  # somebody's own
+            return  # a user has set `step`
         if self._envs is not None or self._seeds is not None or type(self).step is not VectorEnv.step:
             own.pop("step", None)
         else:
@@ -335,14 +335,14 @@ class VectorEnv(gymnasium.vector.VectorEnv[Any, Any, Any]):
         return self._envs
 
     def _push_envs(self) -> None:
-        """Takes over what was done with the environments that were handed out."""
+        """Writes what users have done with the environments that they hold to the vector."""
         assert self._envs is not None
         for env in self._envs:
             env._push_into_vector()
         self._native.set_envs([env._native for env in self._envs])
 
     def _follow_envs(self, is_reset: bool) -> None:
-        """Brings the environments that were handed out up to date."""
+        """Updates the environments that users hold after a step or reset."""
         assert self._envs is not None
         for env, native in zip(self._envs, self._native.envs(), strict=True):
             env._native = native
@@ -368,7 +368,7 @@ class VectorEnv(gymnasium.vector.VectorEnv[Any, Any, Any]):
                 env._take_lasting(objects)
 
     def _let_go(self) -> None:
-        """Forgets the environments where nobody holds one of them, or something of one."""
+        """Drops the environments unless a user has read ``envs``, or holds an object of one of them."""
         if not self._keeps_envs and not any(env._is_watched for env in self._envs or ()):
             self._envs = None
             self._watch()

@@ -190,7 +190,7 @@ pairs! {
 
 // copies
 pairs! {
-    // each restore counts, and the count is stored: the thirtieth spoils the walk
+    // each restore increments a stored count; the thirtieth restore spoils the walk
     "snapshot-continues" "again-and-again" WearsOut scaled_step {
         fn snapshot(env: &Of<Self>) -> Result<Snapshot> { stored_own(env) }
 
@@ -237,7 +237,7 @@ pairs! {
         }
     }
 
-    // a reset after `close` draws a number too many
+    // a reset after `close` draws one number too many
     "close-harmless" "generator" ClosesItsGenerator scaled_step {
         fn reset(env: &mut Of<Self>, reset: &Reset, observation: &mut Value) -> Result<()> {
             env.walk.reset_into(reset, observation)?;

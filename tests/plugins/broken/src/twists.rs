@@ -979,7 +979,8 @@ twists! {
         }
     }
 
-    // the random walks of the checks are shorter in one direction than this
+    // the argument has an effect only after 100 steps of an episode; the checks' episodes are
+    // shorter
     "none.effect-elsewhere" EffectElsewhere (Number), reset_options(&[("start", "0.25")]) {
         fn step(env: &mut Of<Self>, action: &Value, observation: &mut Value) -> Result<Outcome> {
             let outcome = env.walk.step_into(action, observation)?;

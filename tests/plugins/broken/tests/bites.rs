@@ -10,7 +10,7 @@ use gym_core::{BoxEnv, Env, Outcome, Reset, Result, Value};
 use gym_render as _;
 use gym_wrappers as _;
 
-/// The reports, made once: some faults depend on what the process did before.
+/// The reports, made once, because some faults depend on earlier calls in the process.
 static REPORTS: LazyLock<Vec<Report>> = LazyLock::new(|| {
     gym_conform::reports(&gym_conform::ids_of("broken-envs")).expect("the ids are registered")
 });

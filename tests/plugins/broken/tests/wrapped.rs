@@ -7,12 +7,13 @@ use gym_render as _;
 use gym_wrappers as _;
 use serde_json::{Value as Json, json};
 
-/// Wrappers that store observations restore them as shown, and not every environment's observations
-/// are in its space.
+/// Wrappers that store observations restore any observation; an observation outside of its space is
+/// not refused.
 const KEEPS_OBSERVATIONS: &[&str] = &["snapshot-legal"];
-/// Wrappers that store a step count restore it, next to the count of the inner time limit.
+/// Wrappers that store a step count restore any count, even one that differs from the count of the
+/// inner time limit.
 const COUNTS_STEPS: &[&str] = &["snapshot-legal"];
-/// Wrappers that estimate statistics continue from episode to episode.
+/// Wrappers that estimate statistics keep their statistics from episode to episode.
 const ESTIMATES: &[&str] = &["reset-forgets"];
 
 /// Returns wrappers with their arguments, the innermost first, and the exemptions that they need.

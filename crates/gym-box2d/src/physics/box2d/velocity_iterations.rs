@@ -112,8 +112,8 @@ impl VelocityIterations {
         }
     }
 
-    /// Applies the impulse changes of the iterations that repeat, of `left` iterations. Returns the
-    /// number of iterations that remain.
+    /// Replaces up to `left` iterations by their impulse changes, as long as they repeat earlier
+    /// iterations. Returns the number of iterations that remain.
     fn repeat(&self, mut left: u32, joints: &mut [Joint]) -> u32 {
         let mut unchanged = 0;
         while left > 0 {

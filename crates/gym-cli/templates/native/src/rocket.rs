@@ -122,7 +122,8 @@ gym_core::constants! {
     }
 }
 
-/// How it steps: one formula, for one environment and for as many as a vector register holds.
+/// A step as a formula, for one environment, and for as many environments as a vector register
+/// holds.
 impl Equations for RocketTask {
     type Numbers = [f64; 2];
     type Input = [f64; 1];
@@ -159,7 +160,7 @@ impl Equations for RocketTask {
         let height = height + velocity * dt;
         let zero = height.same(0.0);
         let terminated = height.le(zero);
-        // `select` stands for `if`: environments of one register may differ
+        // `select` instead of `if`, because the environments of a register may differ
         let reward = R::select(terminated, velocity, zero) - engine * 0.01;
         let numbers = [height, velocity];
         Next { numbers, reward, terminated, observation: numbers }
@@ -174,7 +175,7 @@ gym_core::register!(
     Registration::new::<Rocket>("plugin_name/Rocket-v0")
         .description("Touch down softly, with as little fuel as possible.")
         .max_episode_steps(500)
-        // the keys of `cargo xtask play`: without them, the digits
+        // the keys of `cargo xtask play`; without this line, the keys are digits
         .keys(|_| Keys::new(json!({"Up": 1})).idle(json!(0)))
         .vector_entry_point(gym_native::entry_point::<RocketTask>)
 );

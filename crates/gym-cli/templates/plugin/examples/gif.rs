@@ -7,7 +7,7 @@ use plugin_name as _;
 
 fn main() -> Result<()> {
     let mut arguments = std::env::args().skip(1);
-    // without an id the first one that this crate registers
+    // without an id, the first id that this crate registers
     let own = registry::all().into_iter().find(|own| own.source.package == env!("CARGO_PKG_NAME"));
     let id = arguments.next().or(own.map(|own| own.id().to_owned()));
     let id = id.ok_or_else(|| Error::custom("this crate registers no environment"))?;

@@ -155,7 +155,7 @@ gym_core::register!(
     Registration::new::<Corridor>("plugin_name/Corridor-v0")
         .description("Find the way out of a dark corridor, on a slippery floor.")
         .max_episode_steps(100)
-        // the keys of `cargo xtask play`: without them, the digits
+        // the keys of `cargo xtask play`; without this line, the keys are digits
         .keys(|_| Keys::new(json!({"Left": 0, "Right": 1})))
 );
 

@@ -1,6 +1,7 @@
-//! Contacts of two convex shapes: MuJoCo's `mjc_Convex`. The distance of the spheres' centres and
-//! the capsules' axes gives the contact, and from 4.0 on the distance of all shapes without their
-//! margin. If these overlap, the whole shapes are compared.
+//! Contacts of two convex shapes: MuJoCo's `mjc_Convex`. First, the cores of the shapes are
+//! compared: the centre of a sphere, the axis of a capsule, and from 4.0 on every shape without its
+//! margin. The distance of the cores gives the contact. If the cores overlap, the whole shapes are
+//! compared.
 
 use super::super::spatial::{
     InTurn, MINVAL, Mat3, Order, Vec3, add, add_scaled, axis_angle, column, dot, norm, normalize,

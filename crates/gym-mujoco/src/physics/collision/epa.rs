@@ -12,7 +12,7 @@ use crate::Revision;
 /// The largest number of faces.
 const FACES: usize = 6 * ITERATIONS;
 
-/// The largest number of points of a face that is cut by every side of another.
+/// The largest number of corners of a polygon that all sides of another face have clipped.
 const CUTS: usize = 64;
 
 /// A polytope that contains the origin.
@@ -379,7 +379,7 @@ impl Polytope {
             let vertex = self.insert_furthest(direction, lower, support);
             let w = self.vertices[vertex].x;
             let bound = dot(direction, w) / lower;
-            // from 4.0 on, the search compares with the last bound, before with the least
+            // from 4.0 on, the search ends by the last bound, before 4.0 by the smallest bound
             let (last, slack) = match self.revision {
                 Revision::V3_12 => (f64::min(bound, upper), 1e-10),
                 Revision::V4_0 => (bound, TOLERANCE),

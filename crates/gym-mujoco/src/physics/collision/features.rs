@@ -96,7 +96,7 @@ impl Edge {
     }
 }
 
-/// The corners of a shape at a contact, with how many are different.
+/// The corners of a shape at a contact, and the number of different corners.
 pub(super) struct Dimension {
     pub(super) number: usize,
     corners: [u8; 3],

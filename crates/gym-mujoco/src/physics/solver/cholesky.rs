@@ -21,7 +21,7 @@ pub(super) fn factor(matrix: &mut [Lanes], n: usize, stride: usize) {
     );
 }
 
-/// Calls a function with a stride. The strides of most models are constants there, so that the
+/// Calls `call` with `stride`. The strides of most models are passed as constants, so that the
 /// compiler unrolls loops.
 #[inline(always)]
 fn with_stride(stride: usize, mut call: impl FnMut(usize)) {

@@ -1,5 +1,5 @@
 //! MuJoCo's "noslip" iterations, which follow the solver and suppress slip. They change only
-//! friction forces, and ignore the regularisation, which lets contacts creep.
+//! friction forces. They leave out the regularisation, because it lets contacts creep.
 
 use super::dual::Rows;
 use super::{pgs, qcqp};

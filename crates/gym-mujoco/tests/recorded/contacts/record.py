@@ -1,11 +1,12 @@
 #!/usr/bin/env python3
-"""Record the contacts of two bodies in random poses, touching ones above all: `record.py SEEDS [POSES] > NAME.txt`.
+"""Record the contacts of two bodies in random poses, in most of which they touch: `record.py SEEDS [POSES] > NAME.txt`.
 
-    pip install mujoco==3.12.0        again with 4.0.0 and 4.0.1: their lines go to another file
+    pip install mujoco==3.12.0        repeat with 4.0.0 and 4.0.1, and write their lines to another file
 
-`SEEDS` are the seeds from 0 on, of `POSES` poses each (50). A line is a model's name and text, or a model's name, MuJoCo's version, a seed, a
-count of poses, and a digest of their contacts: the geoms, the distance, the place and the frame of each.
-A pose: one body is turned and put anywhere, the other beside it, at sums of lengths of the geoms, so that sides touch up to rounding.
+`SEEDS` is the number of seeds, counted from 0; each seed has `POSES` poses (50 by default). A line has the name and the text of a model; or
+the name of a model, MuJoCo's version, a seed, the number of poses, and a digest of the contacts' geoms, distances, positions and frames.
+In a pose, one body has a random place and orientation. The other is beside it, at a distance that is a sum of lengths of geoms, so that
+sides touch up to rounding.
 """
 import math
 import struct
@@ -26,7 +27,7 @@ SHAPES = {
     "cylinder": '<geom type="cylinder" size=".05 .2"/>',
     "box": '<geom type="box" size=".05 .1 .125"/>',
 }
-# 4.0.0 finds other contacts of cylinders than 4.0.1, whose contacts the engine repeats
+# for cylinders, the engine has the contacts of 4.0.1, which differ from those of 4.0.0
 UNLIKE = [("cylinder", "4.0.0")]
 
 
@@ -65,7 +66,7 @@ def turn(random):
 
 
 def place(random):
-    """A sum of two lengths, at times with noise."""
+    """A sum or difference of two lengths, sometimes with noise."""
     first = LENGTHS[int(random.uniform(0, len(LENGTHS)))]
     second = LENGTHS[int(random.uniform(0, len(LENGTHS)))]
     if random.uniform(0, 1) < 0.5:
@@ -77,7 +78,7 @@ def place(random):
 
 
 def turned(quat, v):
-    """The vector in the frame of a quaternion."""
+    """The vector `v`, rotated by the quaternion `quat`."""
     w, x, y, z = quat
     tx, ty, tz = 2 * (y * v[2] - z * v[1]), 2 * (z * v[0] - x * v[2]), 2 * (x * v[1] - y * v[0])
     return [v[0] + w * tx + (y * tz - z * ty), v[1] + w * ty + (z * tx - x * tz), v[2] + w * tz + (x * ty - y * tx)]

@@ -70,7 +70,7 @@ _BASES: dict[str, type[Env]] = {
     **dict.fromkeys(MODULES, MujocoEnv),
 }
 
-# Gymnasium's modes that the Rust side does not have
+# by task: Gymnasium's render modes that the Rust side lacks
 _MORE_MODES = {
     "CarRacing": ["state_pixels"],
 }
@@ -80,7 +80,7 @@ _IDS = {class_name(env_id): env_id for env_id in SPECS}
 
 
 def _documented(argument: dict[str, str], defaults: dict[str, Any]) -> str:
-    """The line of a docstring about an argument."""
+    """The line about ``argument`` for the docstring of a class."""
     name, unit = argument["name"], argument["unit"] and f" {argument['unit']}"
     return f"\n        {name}: {argument['meaning']} {argument['type']}; {defaults[name]!r}{unit} unless given."
 
@@ -89,7 +89,7 @@ def _env_class(name: str, env_id: str) -> type[Env]:
     spec = SPECS[env_id]
     of_crate: dict[str, type[Env]] = {"gym-atari": AtariEnv, "gym-minigrid": GridEnv}
     base = of_crate.get(spec["crate"]) or _BASES.get(task_of(env_id), ClassEnv)
-    # without its ROM a game cannot be made, and so not described
+    # a game cannot be described without its ROM: the base class has the metadata
     metadata = dict(base.metadata) if base is AtariEnv else metadata_from(json.loads(_native.describe(env_id)))
     metadata["render_modes"] = metadata["render_modes"] + _MORE_MODES.get(task_of(env_id), [])
     arguments = "".join(_documented(argument, spec["defaults"]) for argument in spec["arguments"])
@@ -97,7 +97,7 @@ def _env_class(name: str, env_id: str) -> type[Env]:
 
     own = {"__doc__": doc, "__module__": __name__, "_id": env_id, "metadata": metadata, "_fps": metadata.get("render_fps")}
     made = type(name, (base,), own)
-    # under the name that Gymnasium's class has: environments print it
+    # Gymnasium's name of the class, because environments print it
     if base is MujocoEnv:
         made.__name__ = f"{task_of(env_id)}Env"
     elif base is not ClassEnv:
@@ -110,7 +110,7 @@ def _vector_class(name: str, env_id: str) -> type[VectorEnv]:
         VectorEnv.__init__(self, env_id, num_envs, **kwargs)
 
     doc = f"A vector of ``{env_id}``; see ``rustgym.VectorEnv`` for its arguments."
-    # (skrl tells a vector by the direct bases of its class)
+    # skrl recognizes a vector by the direct bases of its class
     return type(name, (VectorEnv, gymnasium.vector.VectorEnv), {"__doc__": doc, "__module__": __name__, "__init__": __init__})
 
 
@@ -170,10 +170,10 @@ def _class(name: str) -> Any:
 
 
 def _replace() -> None:
-    """Puts our classes into our forms of Gymnasium's modules."""
+    """Puts this package's classes into its copies of Gymnasium's modules."""
     for name, made in stand_ins().items():
         module, _, attribute = name.removeprefix("gymnasium.").partition(":")
-        if module.count(".") > 1:  # the modules of the families are ours
+        if module.count(".") > 1:  # the others, such as `envs.box2d`, are modules of this package
             _modules.replace(module, attribute, partial(_same, made))
     for task, module in MODULES.items():
         for version in (4, 5):

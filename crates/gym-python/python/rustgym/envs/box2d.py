@@ -355,7 +355,7 @@ class CarRacing(Box2DEnv):
         "contactListener_keepref fd_tile", "in Gymnasium it is an object of Box2D"
     )
 
-    #: Whether there is an episode that nobody has asked for, from which colours were read.
+    #: Whether the native environment was reset only to draw colours, before the user's first reset.
     _has_early_colors = False
 
     def _was_reset(self) -> bool:

@@ -121,7 +121,7 @@ class CartPoleEnv(ClassicControlEnv):
 
     @classmethod
     def _fields(cls, numbers: npt.NDArray[np.floating[Any]]) -> dict[str, Any]:
-        return {"fresh": True}  # anywhere, as a start may be
+        return {"fresh": True}  # the state may be anywhere, as at the start of an episode
 
     @property
     def steps_beyond_terminated(self) -> int | None:

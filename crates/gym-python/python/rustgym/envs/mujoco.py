@@ -30,11 +30,11 @@ from rustgym.env import ClassEnv, Env, entropy
 
 __all__ = ["MujocoEnv"]
 
-# a package, as Gymnasium's is: the modules below it are those of `rustgym._modules`
+# makes this module a package, as Gymnasium's is; `rustgym._modules` finds its submodules
 __path__: list[str] = []
 __getattr__ = forwarder(__name__)
 
-# the tasks, and the modules that Gymnasium has them in, without the version
+# by task: the name of Gymnasium's module without its version
 MODULES = {
     "Ant": "ant",
     "HalfCheetah": "half_cheetah",
@@ -49,10 +49,10 @@ MODULES = {
     "Walker2d": "walker2d",
 }
 
-# the number of positions that the tasks can leave out of an observation
+# by task: how many positions an argument can exclude from the observation
 _CAN_EXCLUDE = {"Ant": 2, "HalfCheetah": 1, "Hopper": 1, "Humanoid": 2, "HumanoidStandup": 2, "Swimmer": 2, "Walker2d": 1}
 
-# attributes that Gymnasium's reset sets, as parts of the positions
+# by task: attributes that Gymnasium's reset sets, computed from the positions
 _OF_START: dict[str, dict[str, Callable[[npt.NDArray[np.float64]], npt.NDArray[Any]]]] = {
     "Pusher": {"goal_pos": lambda qpos: np.asarray([0, 0]), "cylinder_pos": lambda qpos: qpos[-4:-2].copy()},
     "Reacher": {"goal": lambda qpos: qpos[-2:].copy()},
@@ -61,14 +61,14 @@ _OF_START: dict[str, dict[str, Callable[[npt.NDArray[np.float64]], npt.NDArray[A
 
 @cache
 def _installed() -> str | None:
-    """The version of MuJoCo's Python package, with whose numbers Gymnasium plays."""
+    """The installed version of the package ``mujoco``, which Gymnasium computes with; ``None`` without one."""
     try:
         return version("mujoco")
     except PackageNotFoundError:
         return None
 
 
-# whether a version of the package and one that was asked for have the same numbers
+# by installed version and the argument `mujoco`: whether both give the same numbers
 _AGREE: dict[tuple[str, str], bool] = {}
 
 
@@ -78,7 +78,7 @@ def _is_of(installed: str, versions: list[str]) -> bool:
 
 @cache
 def _tell_other(own: str, installed: str, name: str | None) -> None:
-    """Logs, once, that Gymnasium has other numbers here."""
+    """Logs once that Gymnasium's numbers differ, because it computes with another version of MuJoCo."""
     hint = f'make it with mujoco="{name}" for these' if name else "whose numbers rustgym does not repeat"
     gymnasium.logger.warn(
         f"the environment has the numbers of MuJoCo {own}, and Gymnasium has those of the installed mujoco {installed}: {hint}"
@@ -98,10 +98,10 @@ class MujocoEnv(ClassEnv):
     package unless it is made with another ``mujoco``.
     """
 
-    # MuJoCo's own model and data, made on first use; without the package data of our own
+    # MuJoCo's own model and data, made on first use; without the package `mujoco`, `_own_data` replaces the data
     _mirror: Mirror | None = None
     _own_data: OwnData | None = None
-    # the positions at the start of the episode, where Gymnasium's task keeps some of them
+    # the positions at the start of the episode, if Gymnasium's task stores some of them as attributes
     _start: npt.NDArray[np.float64] | None = None
     _overrides = False
 
@@ -132,7 +132,7 @@ class MujocoEnv(ClassEnv):
             versions = self._made_of["versions"]
             name = next((name for name in versions if _is_of(installed, versions[name])), None)
             if name is not None and "mujoco" not in kwargs and (self._overrides or "step" in own):
-                super().__init__(*args, **kwargs, mujoco=name)  # the package will step it
+                super().__init__(*args, **kwargs, mujoco=name)  # the installed package will step the environment
                 self.__dict__.pop("_made_of")
             else:
                 _tell_other(self._made_of["mujoco"], installed, name)
@@ -140,7 +140,7 @@ class MujocoEnv(ClassEnv):
             self._hand_over("a method that Gymnasium's task calls", warn=False)
 
     def _is_of_version(self, installed: str) -> bool:
-        """Whether a version of MuJoCo's package has the numbers of this environment."""
+        """Whether version ``installed`` of the package ``mujoco`` computes the same numbers as this environment."""
         key = installed, str(self.arguments.get("mujoco"))
         if key not in _AGREE:
             _AGREE[key] = _is_of(installed, self._made_of["versions"][self._made_of["mujoco"]])
@@ -149,7 +149,7 @@ class MujocoEnv(ClassEnv):
     @classmethod
     @cache
     def _theirs(cls) -> Any:
-        """Gymnasium's class of the task."""
+        """Gymnasium's class for the task, or its ``MujocoEnv`` for a user's class without an id."""
         env_id = getattr(cls, "_id", None)
         if not _has_package():
             raise gymnasium.error.DependencyNotInstalled("this needs the package mujoco: run `pip install mujoco`")
@@ -180,7 +180,7 @@ class MujocoEnv(ClassEnv):
         return observation, info
 
     def _keep_start(self) -> None:
-        """Sets what a reset of Gymnasium's task keeps beside its result."""
+        """Sets the attributes that a reset of Gymnasium's task sets."""
         if (parts := _OF_START.get(task_of(self.env_id))) is None:
             return
         called = self._native.mujoco_before()
@@ -188,7 +188,7 @@ class MujocoEnv(ClassEnv):
         start = self._start = called[2]["qpos"]
         self.__dict__.update((name, part(start)) for name, part in parts.items())
         if self._handed and "init_qpos" in self._handed and "cylinder_pos" in parts:
-            # Gymnasium's reset writes the objects' places there
+            # Gymnasium's reset writes the positions of the objects into `init_qpos`
             self._handed["init_qpos"][-4:] = start[-4:]
             self._seen["init_qpos"] = self._handed["init_qpos"].copy()
 
@@ -323,7 +323,7 @@ class MujocoEnv(ClassEnv):
         return int(self.env_id.rpartition("-v")[2]) >= 4
 
     def _touched(self) -> Mirror:
-        """MuJoCo's objects, which follow from now on."""
+        """MuJoCo's model and data, which are updated after each step from now on."""
         if self._mirror is None:
             if not _has_package():
                 raise gymnasium.error.DependencyNotInstalled(
@@ -338,7 +338,7 @@ class MujocoEnv(ClassEnv):
         return self._mirror
 
     def _hand_over(self, cause: str, warn: bool = True) -> None:
-        """From now on MuJoCo's package steps the environment."""
+        """Lets MuJoCo's package step the environment from now on; ``cause`` is named in the warning and in errors."""
         if self._is_handed:
             return
         version = self._made_of["mujoco"]
@@ -352,9 +352,9 @@ class MujocoEnv(ClassEnv):
                 f"{cause} was changed: MuJoCo's package would have to step the environment, and {installed} is installed, while "
                 f"this environment computes as {version}: make it with mujoco={'.'.join(installed.split('.')[:2])!r}"
             )
-        self._theirs()  # raises where there is none
+        self._theirs()  # raises an error if Gymnasium has no class for the task
         self._touched().is_handed = True
-        # Gymnasium's step reads them under these names
+        # Gymnasium's step reads the arguments as attributes with an underscore
         self.__dict__.update((f"_{name}", getattr(self, f"_{name}")) for name in self.arguments)
         if warn:
             logger.warn(f"{cause} was changed: from now on the package mujoco steps this {type(self).__name__}, at its speed")
@@ -445,11 +445,11 @@ class MujocoEnv(ClassEnv):
     # -- arguments and attributes
 
     def __getattr__(self, name: str) -> Any:
-        # Gymnasium's tasks keep their arguments under names with an underscore
+        # Gymnasium's tasks store their arguments as attributes with an underscore
         arguments = self.__dict__.get("arguments", {})
         if name.startswith("_") and name[1:] in arguments:
             value = arguments[name[1:]]
-            if isinstance(value, list | tuple):  # a range: an end that is missing is infinite
+            if isinstance(value, list | tuple):  # a range: None stands for an infinite end
                 return tuple(end if x is None else x for x, end in zip(value, (-np.inf, np.inf), strict=True))
             return value
         return super().__getattr__(name)  # type: ignore[misc]
@@ -470,12 +470,12 @@ class MujocoEnv(ClassEnv):
         return super()._knows(name) or name in _OF_START.get(task_of(self.env_id), ())
 
     def _set_argument(self, name: str, value: Any) -> None:
-        """The environment with another value of an argument, where it is."""
+        """Sets an argument and keeps the state of the episode."""
         self.arguments[name] = value
         if self._is_handed:
             return
         self._push()
-        if isinstance(value, tuple | list):  # a range: an end that is infinite is left out
+        if isinstance(value, tuple | list):  # a range: None stands for an infinite end
             value = [None if np.isinf(x) else x for x in value]
         self._rebuild({name: value})
         self.__dict__.pop("_made_of", None)

@@ -21,7 +21,7 @@ from rustgym.env import ClassEnv, checked_seed, entropy
 
 __all__ = ["BlackjackEnv", "CliffWalkingEnv", "FrozenLakeEnv", "TaxiEnv", "generate_random_map"]
 
-# a package, as Gymnasium's is: the modules below it are those of `rustgym._modules`
+# makes this module a package, as Gymnasium's is; `rustgym._modules` finds its submodules
 __path__: list[str] = []
 __getattr__ = forwarder(__name__)
 
@@ -48,7 +48,7 @@ def generate_random_map(size: int = 8, p: float = 0.8, seed: int | None = None) 
 class ToyTextEnv(ClassEnv):
     """An environment of a few cards or cells."""
 
-    # arguments that Gymnasium's environment looks at when it is played
+    # arguments that Gymnasium's environment reads in each step, so that setting them takes effect
     _settable: ClassVar[frozenset[str]] = frozenset()
 
     def __setattr__(self, name: str, value: Any) -> None:
@@ -66,31 +66,31 @@ class ToyTextEnv(ClassEnv):
         return result
 
     def _set_state(self, **fields: Any) -> None:
-        """Continues from a state that differs in these fields."""
+        """Sets these fields of the state; before the first reset, it resets first."""
         if self._native.state() is None:
             self._native.reset(str(entropy()), None)
         self._native.set_state(json.dumps({**self._state(), **fields}))
 
 
 def _draw(probabilities: Any, rng: np.random.Generator) -> int:
-    """Gymnasium's ``categorical_sample``: the first at which the sum of the probabilities exceeds a draw."""
+    """Gymnasium's ``categorical_sample``: the first index at which the cumulative probability exceeds a random draw."""
     return int(np.argmax(np.cumsum(np.asarray(probabilities)) > rng.random()))
 
 
 class TabularEnv(ToyTextEnv):
     """An environment whose dynamics are a table.
 
-    An action for which ``P`` was changed, and a start whose ``initial_state_distrib`` was, is played from these, as Gymnasium
-    plays all.
+    If a user has changed ``P`` for an action, Python draws the action's outcome from ``P``, as Gymnasium does for all actions.
+    If a user has changed ``initial_state_distrib``, Python draws the start from it.
     """
 
-    # the name under which the state's number is stored
+    # the field of the native state that stores the number of the state
     _cell: ClassVar[str] = "cell"
     _actions: ClassVar[tuple[str, ...]]
 
-    # whether the table has its states as numpy's integers
+    # whether the states in Gymnasium's table are numpy's integers
     _has_wide_states: ClassVar[bool] = False
-    # whether Gymnasium has a last action before the first reset
+    # whether Gymnasium's `lastaction` exists before the first reset
     _has_early_action: ClassVar[bool] = False
 
     clock = OfPicture(until="render")
@@ -102,7 +102,7 @@ class TabularEnv(ToyTextEnv):
 
     @cached_property
     def _table(self) -> tuple[dict[int, dict[int, Outcomes]], list[float]]:
-        """The table that the native environment plays."""
+        """The transitions and start probabilities of the native environment."""
         return self._made_table()
 
     P = Own(
@@ -116,7 +116,7 @@ class TabularEnv(ToyTextEnv):
     )
 
     def _whole(self, action: Any) -> Any:
-        """The action that is equal to ``action``, if there is one."""
+        """The ``int`` that equals ``action``, such as 1 for 1.0; for an invalid action, ``action`` itself."""
         actions = range(int(self.action_space.n))  # type: ignore[attr-defined]
         return next((whole for whole in actions if np.ndim(action) == 0 and whole == action), action)
 
@@ -153,11 +153,11 @@ class TabularEnv(ToyTextEnv):
             self.__dict__.pop("_table", None)
 
     def _moved(self, state: int, cell: int, rng: np.random.Generator) -> int:
-        """The state after what happens beyond the table."""
+        """The next state after random changes that the table does not contain; ``cell`` is the table's next state."""
         return cell
 
     def _fields(self, action: Any) -> dict[str, Any]:
-        """Further fields of the state after an action."""
+        """Further fields of the native state that ``action`` sets."""
         return {}
 
     def _info(self, probability: Any, cell: int) -> dict[str, Any]:
@@ -170,7 +170,7 @@ class TabularEnv(ToyTextEnv):
             return super().reset(seed=seed, options=options)
         if seed is None and self._np_random is None:
             seed = entropy()
-        # the draw that decides the start is the first
+        # the reset's first draw decides the start: a copy of the generator repeats it
         rng = np.random.default_rng(checked_seed(seed)) if seed is not None else deepcopy(self._np_random)
         assert rng is not None
         _, info = super().reset(seed=seed, options=options)
@@ -183,7 +183,7 @@ class TabularEnv(ToyTextEnv):
         """The state's number. Setting it continues from there."""
         state = self._state()
         cell = int(state[self._cell])
-        # Gymnasium draws the start by numpy
+        # Gymnasium's start is an integer of numpy
         return np.int64(cell) if self._has_wide_states or state["last_action"] is None else cell  # type: ignore[return-value]
 
     @s.setter
@@ -216,7 +216,7 @@ class BlackjackEnv(ToyTextEnv):
 
     def _write_dealer(self, cards: Any) -> None:
         cards = [operator.index(card) for card in cards]
-        # the picture shows a face on the open card if its value is 10
+        # if the open card is worth 10, the picture shows a jack, queen or king
         face = (self._state()["face"] or "Jack") if cards[:1] == [10] else None
         self._set_state(dealer=cards, face=face)
 
@@ -285,7 +285,7 @@ class FrozenLakeEnv(TabularEnv):
     agent_img, goal_flag_img, letter_s_img, letter_g_img = (OfPicture(until="render") for _ in range(4))
 
     def _write_desc(self, desc: Any) -> None:
-        # Gymnasium's table is made once: what is played stays, what is drawn follows
+        # Gymnasium makes its tables once: a new `desc` changes the pictures, and not the transitions
         _ = self.P, self.initial_state_distrib
         self._rebuild({"desc": np.asarray(desc, dtype="c")})
         self.__dict__.pop("_table", None)

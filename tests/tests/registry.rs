@@ -157,7 +157,7 @@ fn arguments_reach_the_environment() {
     );
 }
 
-/// Gymnasium's `make(id, **kwargs)` accepts these in addition to the constructor's arguments.
+/// Gymnasium's `make(id, **kwargs)` accepts further arguments in addition to the constructor's.
 #[test]
 fn arguments_of_make_may_stand_among_the_others() {
     let spec = |json: &str| {

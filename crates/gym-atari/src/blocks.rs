@@ -54,7 +54,7 @@ impl Thread {
                 } else {
                     &mut cpu.y
                 };
-                // BNE, whose counter is known not to be 0; or BPL
+                // with BNE, the counter is not 0 here, and the last round starts at 1; with BPL, at 0
                 let rounds = if low == 0xd0 {
                     counter.wrapping_sub(1)
                 } else {

@@ -47,7 +47,7 @@ pub(crate) struct Shrink {
     across: Vec<f32>,
     /// The output.
     small: Vec<u8>,
-    /// Whether the sums of each row were computed again.
+    /// For each row of the picture, whether it changed, so that its sums were computed again.
     changed: Vec<bool>,
     /// The shades of a row, followed by zeros.
     row: [f32; WIDTH + TAPS],

@@ -195,7 +195,7 @@ impl<'de> Stored<'de> {
         Self { json, ..self }
     }
 
-    /// Returns the float whose stored form this JSON is; `None` for other JSON.
+    /// Returns the float that this JSON stores; `None` if the JSON stores something else.
     fn float(self) -> Result<Option<f64>, Error> {
         let tagged = self
             .json

@@ -37,7 +37,8 @@ impl Palette {
         self.table.as_flattened()
     }
 
-    /// Returns the size of the colour table in a file in bytes, where its length is a power of two.
+    /// Returns the size of the colour table in a file, in bytes. A file has a table whose length is a
+    /// power of two.
     pub(crate) fn size(&self) -> usize {
         self.table.len().max(2).next_power_of_two() * 3
     }

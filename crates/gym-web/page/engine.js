@@ -1,4 +1,4 @@
-// The page's side of the workers.
+// The functions by which the page uses its workers.
 
 const single = globalThis.GYM_SINGLE;
 const here = (name) => new URL(name, import.meta.url);

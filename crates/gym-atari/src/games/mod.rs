@@ -173,9 +173,9 @@ pub enum Controller {
     Joystick,
     /// A joystick in the right port.
     RightJoystick,
-    /// Paddles in both ports; the agent turns this paddle of the left port.
+    /// Paddles in both ports; the agent turns the paddle with this number in the left port.
     Paddle(usize),
-    /// Paddles in the left port only; the agent turns this paddle.
+    /// Paddles in the left port only; the agent turns the paddle with this number.
     LeftPaddle(usize),
 }
 

@@ -211,8 +211,8 @@ pub trait Env: Clone + Send + 'static {
         let _ = count;
     }
 
-    /// How far the surfaces are that a drawing of this width and height shows, for the modes
-    /// `depth_array` and `rgbd_tuple`: a number for each pixel, in metres, row by row from the top.
+    /// The depth of each pixel of a drawing of the width and height `size`, in metres, row by row
+    /// from the top; for the modes `depth_array` and `rgbd_tuple`.
     fn depth(&self, size: (u32, u32)) -> Option<Vec<f32>> {
         let _ = size;
         None

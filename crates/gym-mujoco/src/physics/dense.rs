@@ -225,7 +225,8 @@ pub(crate) fn put(to: &mut [Lanes], from: &[f64]) {
 mod tests {
     use super::*;
 
-    /// Each order of summation gives other last bits, so the test distinguishes them.
+    /// The results of different orders of summation differ in the last bits, so the test tells the
+    /// orders apart.
     #[test]
     fn rows_are_combined_and_elements_set() {
         for groups in 1..=9 {

@@ -23,7 +23,7 @@ const SMALL: f64 = 0.126;
 
 /// π/2 in two parts.
 const QUARTER: [f64; 2] = [FRAC_PI_2, 6.123_233_995_736_766e-17];
-/// π/2 in four parts, of which the first two are short.
+/// π/2 in four parts. The first two have few bits, so that small multiples of them are exact.
 const PARTS: [f64; 4] = [
     1.570_796_340_703_964_2,
     -1.390_906_756_437_715_3e-8,

@@ -139,7 +139,7 @@ def register(id: str | None = None, *args: Any, replace: bool = False, **kwargs:
             # an id that has no vector in Gymnasium gets none here: `make_vec` then makes a `SyncVectorEnv` of this package's
             # environment
             has_vector = old is not None and old.vector_entry_point is not None
-            # Gymnasium suggests ids of specs for a wrong version: a spec that it lacks keeps the id under `rustgym/`
+            # for a wrong version, Gymnasium suggests the ids of specs: specs of ids that only this package has keep `rustgym/`
             is_theirs = old is not None and old.id == env_id
             gymnasium_registry[env_id] = _spec(env_id if is_theirs else name, env_id, has_vector)
 

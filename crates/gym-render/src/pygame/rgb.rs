@@ -18,13 +18,13 @@ pub(crate) struct RgbPixels<'a> {
     pub(crate) left: i32,
     /// Whether row 0 is the lowest.
     pub(crate) flipped: bool,
-    /// The bytes and the colour of the last long run, as long as the bytes are unchanged.
+    /// The last long run: its bytes in the frame, and its colour. Other drawings empty the range.
     last: (Range<usize>, Color),
-    /// The bytes of the last short run, and its colour.
+    /// Pixels of one colour, from which short runs are copied, and the colour.
     short: ([u8; SHORT], Option<Color>),
 }
 
-/// The longest run, in bytes, that counts as short.
+/// The longest run (a row of equal pixels), in bytes, that counts as short.
 const SHORT: usize = 32 * RGB;
 
 impl<'a> RgbPixels<'a> {

@@ -401,7 +401,7 @@ fn a_surface_that_is_never_whole_is_shrunk_as_one_that_is() {
     }
 }
 
-/// A rectangle covers its rows; a trapezoid with the same corners on one side does not.
+/// A drawn rectangle fills whole rows of the surface; a shape with one moved corner does not.
 #[test]
 fn a_slanting_side_covers_no_row() {
     let (from, to) = ((64, 64), (16, 16));

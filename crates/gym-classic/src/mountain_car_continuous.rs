@@ -135,7 +135,7 @@ fn advance<R: Real, const SINGLE: bool>(
             R::select(wide, x, x.single())
         }
     };
-    // rounds numbers that, with `SINGLE`, are already rounded
+    // as `rounded`, for numbers that are already rounded if `SINGLE` is true
     let narrowed = |wide: R::Mask, x: R| if SINGLE { x } else { rounded(wide, x) };
 
     let pull = rounded(fresh, position * 3.0).cos() * 0.0025;

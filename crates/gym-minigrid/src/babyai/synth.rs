@@ -59,7 +59,7 @@ babyai! {
 }
 
 babyai! {
-    /// Instructions of all forms, without locked rooms that are not named.
+    /// Instructions of all forms, which need no object in a locked room.
     SynthSeq {
         /// The rooms.
         #[flatten]

@@ -158,8 +158,8 @@ fn after_forward(m: &Model, d: &mut Data) -> Value {
 fn constraints(m: &Model, d: &Data) -> Value {
     let efc = &d.efc;
     let jacobian = rows(&efc.full_jacobian(m.nv()), m.nv());
-    // libmujoco's `efc_state` is from Newton's last evaluation before islands are split, at the
-    // accelerations without constraints
+    // libmujoco computes `efc_state` before it splits the islands, at the accelerations without
+    // constraints
     let active: Vec<u8> = match m.opt.solver {
         Solver::PGS => efc
             .force

@@ -168,7 +168,7 @@ impl Play {
                 _ => return true,
             }
         }
-        // (a play that was used before may be longer: its last drawing is then of another state)
+        // the last drawings are of the same step only if both plays have equal length
         self.shown.len() == other.shown.len() && drawing(&self.env) != drawing(&other.env)
     }
 }

@@ -31,7 +31,7 @@ fn every_reference_is_of_a_known_kind() {
 #[test]
 fn no_reference_is_missing() {
     if std::env::var_os("GYM_REFERENCE").is_some() {
-        return; // a folder of the user's own
+        return; // the folder is the user's, with other files
     }
     let references = references();
     let count = |is: &dyn Fn(&Reference) -> bool| {

@@ -136,7 +136,7 @@ pub enum Primitive<'a> {
     },
     /// `draw.polygon` of width 0: a polygon with its outline.
     Polygon(&'a [Point]),
-    /// `draw.line`, `draw.lines`, and `draw.polygon` of a width: lines between points.
+    /// `draw.line`, `draw.lines`, and `draw.polygon` of a width above 0: lines between points.
     Lines {
         /// The points.
         points: &'a [Point],

@@ -1,8 +1,8 @@
 //! MJCF, MuJoCo's model format: a strict reader and compiler of the part that the engine supports.
 //!
-//! The reader turns a text into a tree of elements ([`xml`]) and these into a [`spec`]; [`compile`]
-//! turns that into a compiled model. Anything outside the supported part is an error that names
-//! element, attribute and line; nothing is skipped silently.
+//! The reader turns a text into a tree of elements ([`xml`]), and the tree into a [`spec`].
+//! [`compile`] turns the `spec` into a compiled model. Anything outside the supported part is an
+//! error that names element, attribute and line; nothing is skipped silently.
 //!
 //! | section | supported |
 //! |---|---|

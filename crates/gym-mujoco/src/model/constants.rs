@@ -298,8 +298,8 @@ fn add_tendons(m: &mut CompiledModel, model: &Model, d: &mut Data) {
     }
 }
 
-/// A sparse vector over the degrees of freedom as a dense one (a force), and the acceleration by
-/// this force.
+/// Returns a force on the degrees of freedom as a dense vector, and the acceleration by the force.
+/// `values` has the elements of the force in `columns`; all others are zero.
 fn response(model: &Model, d: &Data, columns: &[usize], values: &[f64]) -> (Vec<f64>, Vec<f64>) {
     let mut dense = vec![0.0; model.nv()];
     for (&dof, value) in columns.iter().zip(values) {

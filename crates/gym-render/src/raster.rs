@@ -63,7 +63,7 @@ impl Painter for Raster {
             raster: self,
             frame,
             is_own_size,
-            is_blank: true,
+            is_stale: true,
             downscaling: None,
         };
         draw(&mut surface);
@@ -94,7 +94,7 @@ struct Surface<'a> {
     /// Whether a unit of the drawing is a pixel of the frame.
     is_own_size: bool,
     /// Whether the frame still has the content of an earlier drawing.
-    is_blank: bool,
+    is_stale: bool,
     /// While a [`DownscaledSurface`] is drawn: the depth of transforms at which it began.
     downscaling: Option<usize>,
 }
@@ -102,7 +102,7 @@ struct Surface<'a> {
 impl Surface<'_> {
     /// Makes the frame black before the first drawing.
     fn start(&mut self) {
-        if std::mem::take(&mut self.is_blank) {
+        if std::mem::take(&mut self.is_stale) {
             self.frame.pixels_mut().fill(0);
         }
     }
@@ -159,7 +159,7 @@ impl Canvas for Surface<'_> {
         if self.downscaling.is_some() && color.a == 255 {
             self.raster.downscaled.clear(color);
         } else if color.a == 255 {
-            self.is_blank = false;
+            self.is_stale = false;
             pixels::clear(self.frame, color);
         } else {
             self.start_smooth();

@@ -45,7 +45,7 @@ pub(crate) struct Worlds {
     settles: bool,
     sensors: usize,
     /// Whether the task reads frames of geoms or sites.
-    shows: bool,
+    reads_frames: bool,
     /// A buffer: the contact forces on the bodies of one world.
     cfrc_ext: Vec<[f64; 6]>,
     /// A bit for each world: 1 if the world diverged.
@@ -82,7 +82,7 @@ impl Worlds {
             rows: Rows::new(m, keeps),
             settles: stride.settles,
             sensors,
-            shows: stride.reads.iter().any(|array| {
+            reads_frames: stride.reads.iter().any(|array| {
                 matches!(
                     array,
                     Derived::GeomXpos | Derived::GeomXmat | Derived::SiteXpos
@@ -198,7 +198,7 @@ impl Worlds {
             }
             for step in 1..=steps {
                 // compute all frames in the last timestep, unless `settle` computes them again
-                let whole = self.shows && !self.settles && step == steps;
+                let whole = self.reads_frames && !self.settles && step == steps;
                 self.one_step(m, at, live, whole);
             }
             simd.vectorize(

@@ -44,7 +44,7 @@ impl Worlds {
         // touch sensors need the forces and contacts of the last timestep, and the frames of its
         // start
         self.touch_sensors(m, at.1..len.min(at.1 + Lanes::<S>::LANES));
-        let (simd, sensors, whole) = (at.0, self.sensors, self.shows);
+        let (simd, sensors, whole) = (at.0, self.sensors, self.reads_frames);
         simd.vectorize(
             #[inline(always)]
             || self.arrays.frames(m, at, whole),

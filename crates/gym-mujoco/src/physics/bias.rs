@@ -71,7 +71,7 @@ fn of_point(m: &Model, d: &Data, body: usize, point: Vec3) -> (Vec3, Vec3) {
         let moves = chain.next_if_eq(&&dof).is_some();
         (if moves { column(dof) } else { [0.0; 6] }, d.qvel[dof])
     });
-    let [x, y, z, turn_x, turn_y, turn_z] = sum_of_columns(m.nv(), columns);
+    let [x, y, z, turn_x, turn_y, turn_z] = sum_of_columns(columns);
     ([x, y, z], [turn_x, turn_y, turn_z])
 }
 

@@ -61,13 +61,14 @@ pub(crate) fn dot_slices(a: &[f64], b: &[f64]) -> f64 {
 }
 
 /// The product of a matrix of six rows with a vector, each element in the order of `mju_dot`.
-/// `columns` are the `n` columns of the matrix, each with its element of the vector.
-pub(crate) fn sum_of_columns(n: usize, columns: impl Iterator<Item = ([f64; 6], f64)>) -> [f64; 6] {
+/// `columns` are the columns of the matrix, each with its element of the vector.
+pub(crate) fn sum_of_columns(columns: impl ExactSizeIterator<Item = ([f64; 6], f64)>) -> [f64; 6] {
+    let full = columns.len() - columns.len() % 4;
     let mut sums = [[0.0; 4]; 6];
     let mut rest: Option<[f64; 6]> = None;
     for (j, (column, x)) in columns.enumerate() {
         let products = column.map(|element| element * x);
-        if j < n - n % 4 {
+        if j < full {
             for (sums, product) in sums.iter_mut().zip(products) {
                 sums[j % 4] += product;
             }

@@ -18,6 +18,25 @@ pub(super) fn moves_at(
     add(translation(axis), cross(rotation(axis), offset))
 }
 
+/// The velocity of the first point relative to the second per unit velocity of `dof`. Each point has
+/// its body, and whether `dof` moves that body.
+pub(super) fn moves_apart(
+    m: &Model,
+    cdof: &[[f64; 6]],
+    com: &[Vec3],
+    dof: usize,
+    points: [(bool, usize, Vec3); 2],
+) -> Vec3 {
+    let [first, second] = points.map(|(moved, body, point)| {
+        if moved {
+            moves_at(m, cdof, com, dof, body, point)
+        } else {
+            [0.0; 3]
+        }
+    });
+    sub(first, second)
+}
+
 /// Returns the dot product of `moves` and `force`. The sum skips components of `force` that are
 /// zero.
 pub(super) fn sum_along(moves: Vec3, force: Vec3) -> f64 {

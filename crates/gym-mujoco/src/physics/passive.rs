@@ -116,10 +116,12 @@ pub(super) fn tendon_spring_force(length: f64, slack: [f64; 2], stiffness: f64) 
 
 /// The difference of a length from the range in which a spring is slack.
 pub(super) fn stretch(length: f64, [lower, upper]: [f64; 2]) -> f64 {
-    match length {
-        _ if length > upper => length - upper,
-        _ if length < lower => length - lower,
-        _ => 0.0,
+    if length > upper {
+        length - upper
+    } else if length < lower {
+        length - lower
+    } else {
+        0.0
     }
 }
 

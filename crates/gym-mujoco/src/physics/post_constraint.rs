@@ -120,7 +120,7 @@ fn tendons(m: &Model, d: &mut Data) {
         along_path(m, d, t, |d, segment| {
             let force = scale(segment.direction(), tension / segment.divisor);
             for (k, sign) in [(0, -1.0), (1, 1.0)] {
-                let (body, point) = (segment.bodies[k], segment.points[k]);
+                let (body, point) = segment.ends[k];
                 let com = d.subtree_com[m.body_rootid[body]];
                 let wrench = [[0.0; 3], force];
                 add_at(&mut d.cfrc_ext, (body, com), point, wrench, sign);
@@ -155,10 +155,8 @@ fn tension(m: &Model, d: &Data, tendon: usize) -> f64 {
     }
     sum += forces(Source::TendonFriction(tendon)).sum::<f64>();
     let mut limits = forces(Source::TendonLimit(tendon));
-    for (side, bound) in [-1.0, 1.0].into_iter().zip(m.tendon_range[tendon]) {
-        if side * (bound - d.ten_length[tendon]) < m.tendon_margin[tendon] {
-            sum -= side * limits.next().unwrap_or(0.0);
-        }
+    for (side, _) in rows::reached_limits(m, tendon, d.ten_length[tendon]) {
+        sum -= side * limits.next().unwrap_or(0.0);
     }
     for i in pulling(m, tendon) {
         sum += m.actuator_gear[i][0] * d.actuator_force[i];

@@ -4,7 +4,7 @@
 
 use super::constraint::{Constraints, Kind, Source, push_block, push_row, push_rows, set_row};
 use super::dense::dot_slices;
-use super::jacobian::moves_at;
+use super::jacobian::moves_apart;
 use super::spatial::{
     InTurn, Order, Pairwise, Quat, Vec3, add, dot, normalize, quat_to_velocity, rotate, rotation,
     scale, sub,
@@ -105,10 +105,8 @@ fn bodies<O: Order>(m: &Model, d: &mut Data, constraint: &Equality) {
         if !first && !second {
             continue;
         }
-        let at = |body: usize, point: Vec3| moves_at(m, &d.cdof, &d.subtree_com, dof, body, point);
         let ends = [(first, b1, points[0]), (second, b2, points[1])];
-        let [shift1, shift2] = ends.map(|(moved, b, p)| if moved { at(b, p) } else { [0.0; 3] });
-        let shift = sub(shift1, shift2);
+        let shift = moves_apart(m, &d.cdof, &d.subtree_com, dof, ends);
         for (k, shift) in shift.into_iter().enumerate() {
             set_row(efc, row + k, dof, shift);
         }
@@ -301,16 +299,32 @@ pub(super) fn ball_limit(m: &Model, d: &mut Data, limit: &Limit) {
     push_row(efc, (&limit.softness, limit.diag), dist, limit.margin);
 }
 
+/// The limits that a tendon of this length has reached: -1 for the lower limit or 1 for the upper
+/// one, and the distance from it.
+pub(super) fn reached_limits(
+    m: &Model,
+    tendon: usize,
+    length: f64,
+) -> impl Iterator<Item = (f64, f64)> {
+    let margin = m.tendon_margin[tendon];
+    let limits = [-1.0, 1.0].into_iter().zip(m.tendon_range[tendon]);
+    limits.filter_map(move |(side, bound)| {
+        let dist = side * (bound - length);
+        // a distance that is not a number counts as reached
+        if dist >= margin {
+            None
+        } else {
+            Some((side, dist))
+        }
+    })
+}
+
 /// Adds the rows of active tendon limits.
 #[inline(never)]
 pub(super) fn tendon_limits(m: &Model, d: &mut Data) {
     for constraint in &m.plan().constraints.tendon_limits {
         let (t, margin) = (constraint.id, m.tendon_margin[constraint.id]);
-        for (side, bound) in [-1.0, 1.0].into_iter().zip(m.tendon_range[t]) {
-            let dist = side * (bound - d.ten_length[t]);
-            if dist >= margin {
-                continue;
-            }
+        for (side, dist) in reached_limits(m, t, d.ten_length[t]) {
             let source = (Source::TendonLimit(t), Kind::Limit);
             if let Some(row) = push_scalar(m, d, false, &[Some(t)], source) {
                 tendon_row(m, d, row, t, -side);

@@ -1,7 +1,7 @@
 //! Lengths, Jacobians and velocities of tendons.
 
 use super::dense::dot_sparse;
-use super::jacobian::{moves_at, sum_along};
+use super::jacobian::{moves_apart, sum_along};
 use super::spatial::{Vec3, norm, normalize, sub};
 use super::wrap::{Obstacle, wrap};
 use crate::model::{TransmissionType, WrapType};
@@ -57,26 +57,18 @@ fn fixed(m: &Model, d: &mut Data, t: usize) {
     d.ten_length[t] = length;
 }
 
-/// A straight part of a spatial tendon: a point on one body and a point on the next. Lengths after
-/// a pulley are divided by its divisor.
+/// A straight part of a spatial tendon, from a point on one body to a point on the next. Lengths
+/// after a pulley are divided by its divisor.
 pub(super) struct Segment {
-    pub(super) bodies: [usize; 2],
-    pub(super) points: [Vec3; 2],
+    /// Each end's body and point.
+    pub(super) ends: [(usize, Vec3); 2],
     pub(super) divisor: f64,
 }
 
 impl Segment {
-    fn new([(b1, p1), (b2, p2)]: [(usize, Vec3); 2], divisor: f64) -> Self {
-        Self {
-            bodies: [b1, b2],
-            points: [p1, p2],
-            divisor,
-        }
-    }
-
     /// The direction from the first point to the second.
     pub(super) fn direction(&self) -> Vec3 {
-        normalize(sub(self.points[1], self.points[0])).0
+        normalize(sub(self.ends[1].1, self.ends[0].1)).0
     }
 }
 
@@ -124,9 +116,9 @@ pub(super) fn along_path(
         };
         let end = part(j).1 as usize;
         let end = (m.site_bodyid[end], d.site_xpos[end]);
-        let mut part = |[first, second]: [(usize, Vec3); 2]| {
-            if first.0 != second.0 {
-                visit(d, Segment::new([first, second], divisor));
+        let mut part = |ends: [(usize, Vec3); 2]| {
+            if ends[0].0 != ends[1].0 {
+                visit(d, Segment { ends, divisor });
             }
         };
         match around {
@@ -160,7 +152,7 @@ fn distance(a: Vec3, b: Vec3) -> f64 {
 
 /// Adds the Jacobian of a straight part.
 fn straight(m: &Model, d: &mut Data, t: usize, segment: &Segment) {
-    let ([b1, b2], [p1, p2]) = (segment.bodies, segment.points);
+    let [(b1, p1), (b2, p2)] = segment.ends;
     let direction = segment.direction();
     let paths = &m.plan().paths;
     let row = paths.rows[t].clone();
@@ -170,10 +162,9 @@ fn straight(m: &Model, d: &mut Data, t: usize, segment: &Segment) {
         if !first && !second {
             continue;
         }
-        let at = |body: usize, point: Vec3| moves_at(m, &d.cdof, &d.subtree_com, dof, body, point);
         let ends = [(second, b2, p2), (first, b1, p1)];
-        let [end, start] = ends.map(|(moved, b, p)| if moved { at(b, p) } else { [0.0; 3] });
-        let along = sum_along(sub(end, start), direction);
+        let apart = moves_apart(m, &d.cdof, &d.subtree_com, dof, ends);
+        let along = sum_along(apart, direction);
         *value += 1.0 / segment.divisor * along;
     }
 }

@@ -22,7 +22,7 @@ const UNLIKE: [(&str, &str); 6] = [
 ];
 
 /// Returns the recordings of this crate, and further recordings in the folder `GYM_REFERENCE`.
-fn recordings() -> Vec<PathBuf> {
+fn recordings() -> Vec<Map<String, Value>> {
     let own = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/recorded/features");
     let more = std::env::var_os("GYM_REFERENCE").map(PathBuf::from);
     let more = more
@@ -32,7 +32,12 @@ fn recordings() -> Vec<PathBuf> {
     let entries = folders.flat_map(|folder| std::fs::read_dir(folder).unwrap());
     let mut paths: Vec<PathBuf> = entries.map(|entry| entry.unwrap().path()).collect();
     paths.sort();
-    paths
+    let texts = paths
+        .iter()
+        .map(|path| std::fs::read_to_string(path).unwrap());
+    texts
+        .map(|text| serde_json::from_str(&text).unwrap())
+        .collect()
 }
 
 /// Returns the first key of `expected` whose value differs in `found`.
@@ -49,9 +54,7 @@ fn first<'a>(expected: &'a Value, found: &Value) -> Option<&'a str> {
 #[test]
 fn features_are_as_in_libmujoco() {
     let mut compared = 0;
-    for path in recordings() {
-        let text = std::fs::read_to_string(&path).unwrap();
-        let file: Map<String, Value> = serde_json::from_str(&text).unwrap();
+    for file in recordings() {
         let name = file["name"].as_str().unwrap();
         let answer = recording::answer(&file, Path::new("")).unwrap();
         for (version, expected) in file["versions"].as_object().unwrap() {
@@ -81,9 +84,7 @@ fn features_are_as_in_libmujoco() {
 #[test]
 fn a_step_of_no_feature_allocates() {
     let mut models = 0;
-    for path in recordings() {
-        let text = std::fs::read_to_string(&path).unwrap();
-        let file: Map<String, Value> = serde_json::from_str(&text).unwrap();
+    for file in recordings() {
         let xml = file["xml"].as_str().unwrap();
         for revision in Revision::ALL {
             let Ok(m) = Model::from_xml_with(xml, revision) else {

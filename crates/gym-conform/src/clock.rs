@@ -1,6 +1,5 @@
 //! The check that episodes do not depend on a clock.
 
-use std::thread;
 use std::time::{Duration, Instant};
 
 use crate::subject::{SEEDS, STEPS, Shown, Subject, carry_on, roll_out, same};
@@ -33,7 +32,7 @@ pub(crate) fn unread(subject: &Subject<'_>) -> Verdict {
     subject.repeatable()?;
     let Paused { env, rest, since } = subject.paused()?;
     // (the other checks have taken most of this time)
-    thread::sleep(PAUSE.saturating_sub(since.elapsed()));
+    subject.sleep(PAUSE.saturating_sub(since.elapsed()));
     let later = carry_on(&mut env.clone(), SEEDS[0], STEPS)?;
     same(rest, &later, "an episode that goes on after a pause")?;
     let first = subject.first_run()?;

@@ -151,17 +151,21 @@ fn again_and_again(subject: &Subject<'_>) -> Verdict {
 fn in_every_state(subject: &Subject<'_>) -> Verdict {
     /// The number of events that are compared after each state.
     const AFTER: usize = 4;
-    // storing a large state takes long
-    let (events, every) = if subject.few()? < 20 {
-        (60, 6)
-    } else {
-        (400, 1)
-    };
+    /// The number of bytes from which a stored state counts as large.
+    const LARGE: usize = 100_000;
     let seed = SEEDS[1];
     let mut env = subject.make()?;
     let mut actions = env.action_sampler(seed)?;
     let (mut shown, mut taken, mut states) = (Vec::new(), Vec::new(), Vec::new());
     env.reset(seed)?;
+    let stored = env.snapshot().map(|state| serde_json::to_string(&state));
+    let is_large = matches!(stored, Ok(Ok(text)) if text.len() >= LARGE);
+    // storing a large state takes long
+    let (events, every) = match (subject.few()? < 20, is_large) {
+        (true, _) => (60, 6),
+        (false, true) => (400, 8),
+        (false, false) => (400, 1),
+    };
     let mut is_over = false;
     for event in 0..events {
         let action = (!is_over).then(|| actions.sample());

@@ -51,23 +51,22 @@ impl Damage {
 }
 
 /// Returns every kind of damage to every field and container, and a few kinds of damage to the
-/// first and the last element of a long array. For a large snapshot, which takes long to read,
-/// returns only a few kinds of damage to each field.
+/// first and the last element of a long array. A large snapshot takes long to read: of its fields,
+/// each gets only a few kinds of damage. In a huge snapshot, each gets the next kind in turn.
 pub(crate) fn damages(good: &Json) -> Vec<Damage> {
-    /// A snapshot with more parts counts as large.
-    const MANY: usize = 200;
     let representatives = representatives(good);
-    let is_large = representatives.len() > MANY;
+    let size = Size::of(good, representatives.len());
     let mut turn = 0;
     damages_by(good, representatives, |part, place| {
         let others = others(part);
-        let (near, far) = match (place, is_large) {
-            (Place::Field, false) => (others.len(), 0),
-            (Place::Field, true) => (2, 2),
-            (Place::First, false) => (3, 3),
-            (Place::First, true) => (1, 1),
-            (Place::Last, false) => (3, 0),
-            (Place::Last, true) => (1, 0),
+        let (near, far) = match (place, size) {
+            (Place::Field, Size::Small) => (others.len(), 0),
+            (Place::Field, Size::Large) => (2, 2),
+            (Place::First, Size::Small) => (3, 3),
+            (Place::First, Size::Large) => (1, 1),
+            (Place::Last, Size::Small) => (3, 0),
+            (Place::Last, Size::Large) => (1, 0),
+            (_, Size::Huge) => (0, 1),
         };
         // all near replacements, and as many far replacements as the budget allows, in turn
         let (close, rest) = others.split_at(near.min(others.len()));
@@ -78,6 +77,26 @@ pub(crate) fn damages(good: &Json) -> Vec<Damage> {
             .cloned()
             .collect()
     })
+}
+
+/// How long a snapshot takes to read.
+#[derive(Clone, Copy)]
+enum Size {
+    Small,
+    /// It has more than 200 kinds of parts.
+    Large,
+    /// It also has more than 10,000 parts.
+    Huge,
+}
+
+impl Size {
+    fn of(snapshot: &Json, kinds: usize) -> Self {
+        match (paths(snapshot).len(), kinds) {
+            (10_001.., 201..) => Self::Huge,
+            (_, 201..) => Self::Large,
+            _ => Self::Small,
+        }
+    }
 }
 
 fn damages_by(
@@ -247,6 +266,8 @@ fn pointer(path: &[String]) -> String {
 
 #[cfg(test)]
 mod tests {
+    use std::collections::BTreeSet;
+
     use super::*;
 
     fn damaged(good: &Json) -> Vec<Json> {
@@ -337,6 +358,27 @@ mod tests {
                     .is_some_and(|map| map.values().any(|x| *x == far))
             };
             assert!(copies.iter().any(is_far), "{far}");
+        }
+    }
+
+    #[test]
+    fn each_field_of_a_huge_world_has_the_next_kind_of_damage() {
+        let fields: Map<_, _> = (0..10_001)
+            .map(|i| (format!("field {i}"), json!(i)))
+            .collect();
+        let damages = damages(&json!(fields));
+        let damaged: BTreeSet<_> = damages.iter().map(Damage::place).collect();
+        assert!(
+            fields
+                .keys()
+                .all(|field| damaged.contains(&*format!("/{field}")))
+        );
+        assert_eq!(damages.len(), damaged.len());
+        for other in [json!(-1), json!(u64::MAX), json!(null), json!({})] {
+            assert!(
+                damages.iter().any(|damage| damage.other == other),
+                "{other}"
+            );
         }
     }
 

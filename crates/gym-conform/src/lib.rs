@@ -87,6 +87,7 @@ mod spaces;
 mod subject;
 mod suite;
 mod threads;
+mod turns;
 mod variants;
 mod variation;
 mod vectors;

@@ -1,11 +1,11 @@
 //! All checks over one environment, or over environments by id.
 
-use std::fmt;
 use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
 use std::sync::mpsc::{self, RecvTimeoutError};
 use std::sync::{Mutex, PoisonError};
 use std::thread;
 use std::time::{Duration, Instant};
+use std::{fmt, iter};
 
 use gym_core::{BoxEnv, Env, EnvSpec, Result, registry};
 
@@ -13,6 +13,7 @@ use crate::checks::{CHECKS, Check, REPEATABLE};
 use crate::finding::{Finding, Severity};
 use crate::report::{Excused, Report, Skipped};
 use crate::subject::Subject;
+use crate::turns::Turns;
 use crate::verdict::{Trouble, message};
 
 /// Runs every check against the environments that `make` makes. Without a finding, the environment
@@ -276,9 +277,10 @@ pub fn reports_with(ids: &[String], tell: impl Fn(Progress<'_>) + Sync) -> Resul
         .iter()
         .map(|id| registry::resolve(id)?.0.spec())
         .collect::<Result<Vec<_>>>()?;
-    // four threads for each core, because the check of the clock waits for a second
-    let workers = 4 * thread::available_parallelism().map_or(1, usize::from);
-    let workers = workers.min(specs.len().max(1));
+    let cores = thread::available_parallelism().map_or(1, usize::from);
+    let turns = Turns::new(cores);
+    // more threads than have a turn, because the check of the clock sleeps for a second
+    let workers = (8 * cores).min(specs.len().max(1));
     // Each thread takes the last remaining spec. Some environments take a hundred times as long as
     // others; the slowest are last in the order of ids (`rapier/CarRacing-v3`).
     let queue = Mutex::new(specs.iter().enumerate());
@@ -288,26 +290,22 @@ pub fn reports_with(ids: &[String], tell: impl Fn(Progress<'_>) + Sync) -> Resul
             .unwrap_or_else(PoisonError::into_inner)
             .next_back()
     };
-    let work = || {
-        let mut reports = Vec::new();
-        loop {
-            let Some((i, spec)) = take() else {
-                return reports;
-            };
-            tell(Progress::Begins { id: &spec.id });
-            let long = |long: &Long| match long {
-                Long::Runs(check) => tell(Progress::Runs {
-                    id: &spec.id,
-                    check,
-                }),
-                Long::Ended(slow) => tell(Progress::Slow {
-                    id: &spec.id,
-                    slow: slow.clone(),
-                }),
-            };
-            reports.push((i, report(spec, long)));
-        }
+    let check_next = || {
+        let (i, spec) = take()?;
+        tell(Progress::Begins { id: &spec.id });
+        let long = |long: &Long| match long {
+            Long::Runs(check) => tell(Progress::Runs {
+                id: &spec.id,
+                check,
+            }),
+            Long::Ended(slow) => tell(Progress::Slow {
+                id: &spec.id,
+                slow: slow.clone(),
+            }),
+        };
+        Some((i, report(spec, &turns, long)))
     };
+    let work = || iter::from_fn(|| turns.take(check_next)).collect::<Vec<_>>();
     let mut reports: Vec<(usize, Report)> = thread::scope(|scope| {
         let handles: Vec<_> = (0..workers).map(|_| scope.spawn(work)).collect();
         handles
@@ -328,10 +326,10 @@ fn bare_spec(spec: &EnvSpec) -> EnvSpec {
     }
 }
 
-fn report(spec: &EnvSpec, tell: impl Fn(&Long) + Sync) -> Report {
+fn report(spec: &EnvSpec, turns: &Turns, tell: impl Fn(&Long) + Sync) -> Report {
     let bare = bare_spec(spec);
     let make = || bare.make();
-    let subject = Subject::of_spec(&make, bare.clone());
+    let subject = Subject::of_spec(&make, bare.clone()).in_turns(turns);
     let (mut findings, skipped) = run(&subject, tell);
     let mut excused = Vec::new();
     findings.retain(|Finding { check, .. }| {

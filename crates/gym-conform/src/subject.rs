@@ -3,10 +3,13 @@
 use std::cell::{OnceCell, RefCell};
 use std::collections::BTreeMap;
 use std::rc::Rc;
+use std::thread;
+use std::time::Duration;
 
 use crate::clock::Paused;
 use crate::damaged::Damaged;
 use crate::long::LongRuns;
+use crate::turns::Turns;
 use crate::variants::Variants;
 use crate::verdict::{Trouble, Verdict, broken, skipped};
 use gym_core::{
@@ -44,6 +47,8 @@ pub(crate) struct Subject<'a> {
     /// The runs of [`untouched`](Self::untouched), by seed and steps, played once for several
     /// checks.
     untouched: RefCell<BTreeMap<Run, Rc<[Shown]>>>,
+    /// The turns of the threads that check several environments.
+    turns: Option<&'a Turns>,
     /// The spec and the registration, if any.
     pub(crate) spec: Option<EnvSpec>,
     pub(crate) registration: Option<Registration>,
@@ -82,8 +87,23 @@ impl<'a> Subject<'a> {
             variants,
             damaged,
             untouched: RefCell::default(),
+            turns: None,
             spec,
             registration,
+        }
+    }
+
+    /// Lets other threads work while this one sleeps.
+    pub(crate) fn in_turns(mut self, turns: &'a Turns) -> Self {
+        self.turns = Some(turns);
+        self
+    }
+
+    /// Sleeps.
+    pub(crate) fn sleep(&self, time: Duration) {
+        match self.turns {
+            Some(turns) => turns.sleep(time),
+            None => thread::sleep(time),
         }
     }
 

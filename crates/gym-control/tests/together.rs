@@ -80,6 +80,31 @@ fn every_task_has_the_bits_of_worlds_alone() {
     }
 }
 
+/// Eight worlds of a task step together, if the lanes have all stages that its model needs.
+#[test]
+fn worlds_of_most_tasks_step_together() {
+    let alone = ["ball_in_cup", "finger", "lqr", "manipulator", "stacker"];
+    for id in ids() {
+        let made = builder(&id).arg("flat", true).build().unwrap();
+        let made = made.layer::<ControlEnv>().expect("a task");
+        let (mut worlds, mut seen) = (Worlds::default(), Value::default());
+        let action = made.action_sampler(4).unwrap().sample().clone();
+        for seed in 0..8_u64 {
+            let mut env = made.clone();
+            env.reset_into(&seed.into(), &mut seen).unwrap();
+            env.begin_step(&action, &mut worlds);
+        }
+        worlds.solve();
+        let has_stages = !alone.iter().any(|domain| id.contains(domain));
+        let expected = if has_stages && Worlds::can_step() {
+            8
+        } else {
+            0
+        };
+        assert_eq!(worlds.stepped(), expected, "{id}");
+    }
+}
+
 fn play(made: &ControlEnv, n: usize, level: Level, what: &str) {
     let mut worlds = Worlds::new(level);
     let mut envs = vec![made.clone(); n];

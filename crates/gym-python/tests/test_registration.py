@@ -148,3 +148,8 @@ def test_errors_of_namespaces_that_gymnasium_lacks(
     for function in (rustgym.make, rustgym.make_vec, rustgym.spec):
         with pytest.raises(error, match=hint):
             function(env_id)
+
+
+def test_the_engine_that_the_package_lacks_is_named() -> None:
+    with pytest.raises(ValueError, match="build with the feature `rapier`"):
+        rustgym.make("CarRacing-v3", physics="rapier")

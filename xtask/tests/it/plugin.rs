@@ -21,8 +21,8 @@ fn alone() -> MutexGuard<'static, ()> {
 }
 
 /// Returns the command `cargo ARGUMENTS` in `folder`, with the settings that compile fastest,
-/// because the plugin builds all crates again. The alias `xtask` builds with `--release`; the tests
-/// do too, so that everything is built once. The profile has the checks of debug builds.
+/// because the plugin builds all crates again: `--release` for the alias `xtask`, and `dev` for
+/// what the command `conform` builds. Both have the checks of debug builds.
 fn cargo(folder: &Path, arguments: &[&str]) -> Command {
     let mut cargo = Command::new(env!("CARGO"));
     cargo
@@ -34,12 +34,14 @@ fn cargo(folder: &Path, arguments: &[&str]) -> Command {
             Path::new(env!("CARGO_TARGET_TMPDIR")).join("plugins"),
         );
     for (setting, value) in [
-        ("OPT_LEVEL", "0"),
-        ("CODEGEN_UNITS", "16"),
-        ("DEBUG_ASSERTIONS", "true"),
-        ("OVERFLOW_CHECKS", "true"),
+        ("RELEASE_OPT_LEVEL", "0"),
+        ("RELEASE_CODEGEN_UNITS", "16"),
+        ("RELEASE_DEBUG_ASSERTIONS", "true"),
+        ("RELEASE_OVERFLOW_CHECKS", "true"),
+        ("DEV_OPT_LEVEL", "0"),
+        ("DEV_CODEGEN_UNITS", "16"),
     ] {
-        cargo.env(format!("CARGO_PROFILE_RELEASE_{setting}"), value);
+        cargo.env(format!("CARGO_PROFILE_{setting}"), value);
     }
     cargo
 }

@@ -80,10 +80,18 @@ fn every_task_has_the_bits_of_worlds_alone() {
     }
 }
 
-/// Eight worlds of a task step together, if the lanes have all stages that its model needs.
+/// Eight worlds of a task step together if the lanes have all stages that its model needs, and if
+/// they have one model: each world of `point_mass-hard` draws a model of its own.
 #[test]
 fn worlds_of_most_tasks_step_together() {
-    let alone = ["ball_in_cup", "finger", "lqr", "manipulator", "stacker"];
+    let alone = [
+        "ball_in_cup",
+        "finger",
+        "lqr",
+        "manipulator",
+        "point_mass-hard",
+        "stacker",
+    ];
     for id in ids() {
         let made = builder(&id).arg("flat", true).build().unwrap();
         let made = made.layer::<ControlEnv>().expect("a task");

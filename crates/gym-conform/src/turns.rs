@@ -1,12 +1,13 @@
 //! Turns of the threads that check environments.
 
-use std::sync::{Condvar, Mutex, PoisonError};
+use std::sync::{Condvar, Mutex, MutexGuard, PoisonError};
 use std::thread;
 use std::time::Duration;
 
 /// Lets only some of many threads work at a time. A thread that sleeps lets another one work.
 pub(crate) struct Turns {
-    free: Mutex<usize>,
+    /// Below zero if threads go on after they slept, although others have all turns.
+    free: Mutex<isize>,
     freed: Condvar,
 }
 
@@ -14,7 +15,7 @@ impl Turns {
     /// Lets `threads` threads work at a time.
     pub(crate) fn new(threads: usize) -> Self {
         Self {
-            free: Mutex::new(threads),
+            free: Mutex::new(threads.cast_signed()),
             freed: Condvar::new(),
         }
     }
@@ -28,27 +29,28 @@ impl Turns {
                 self.0.end();
             }
         }
-        self.begin();
+        let free = self.lock();
+        let waited = self.freed.wait_while(free, |free| *free <= 0);
+        *waited.unwrap_or_else(PoisonError::into_inner) -= 1;
         let _turn = Turn(self);
         work()
     }
 
-    /// Sleeps within a turn, which another thread has meanwhile.
+    /// Sleeps within a turn, which another thread has meanwhile. Does not wait for a turn
+    /// afterwards, so that the check takes no longer than it sleeps.
     pub(crate) fn sleep(&self, time: Duration) {
         self.end();
         thread::sleep(time);
-        self.begin();
-    }
-
-    fn begin(&self) {
-        let free = self.free.lock().unwrap_or_else(PoisonError::into_inner);
-        let waited = self.freed.wait_while(free, |free| *free == 0);
-        *waited.unwrap_or_else(PoisonError::into_inner) -= 1;
+        *self.lock() -= 1;
     }
 
     fn end(&self) {
-        *self.free.lock().unwrap_or_else(PoisonError::into_inner) += 1;
+        *self.lock() += 1;
         self.freed.notify_one();
+    }
+
+    fn lock(&self) -> MutexGuard<'_, isize> {
+        self.free.lock().unwrap_or_else(PoisonError::into_inner)
     }
 }
 
@@ -80,5 +82,19 @@ mod tests {
         }));
         assert!(panicked.is_err());
         turns.take(|| turns.take(|| ()));
+    }
+
+    #[test]
+    fn a_thread_that_slept_goes_on_at_once() {
+        let turns = Turns::new(1);
+        let (slept, has_slept) = std::sync::mpsc::channel();
+        thread::scope(|scope| {
+            turns.take(|| {
+                // has the only turn until the first thread goes on
+                scope.spawn(|| turns.take(move || has_slept.recv()));
+                turns.sleep(Duration::from_millis(20));
+                slept.send(()).unwrap();
+            });
+        });
     }
 }

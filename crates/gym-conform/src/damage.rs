@@ -54,8 +54,10 @@ impl Damage {
 /// first and the last element of a long array. A large snapshot takes long to read: of its fields,
 /// each gets only a few kinds of damage. In a huge snapshot, each gets the next kind in turn.
 pub(crate) fn damages(good: &Json) -> Vec<Damage> {
-    let representatives = representatives(good);
-    let size = Size::of(good, representatives.len());
+    let paths = paths(good);
+    let parts = paths.len();
+    let representatives = representatives(good, paths);
+    let size = Size::of(parts, representatives.len());
     let mut turn = 0;
     damages_by(good, representatives, |part, place| {
         let others = others(part);
@@ -83,15 +85,15 @@ pub(crate) fn damages(good: &Json) -> Vec<Damage> {
 #[derive(Clone, Copy)]
 enum Size {
     Small,
-    /// It has more than 200 kinds of parts.
+    /// It has more than 200 [`representatives`].
     Large,
     /// It also has more than 10,000 parts.
     Huge,
 }
 
 impl Size {
-    fn of(snapshot: &Json, kinds: usize) -> Self {
-        match (paths(snapshot).len(), kinds) {
+    fn of(parts: usize, representatives: usize) -> Self {
+        match (parts, representatives) {
             (10_001.., 201..) => Self::Huge,
             (_, 201..) => Self::Large,
             _ => Self::Small,
@@ -133,7 +135,7 @@ pub(crate) fn moves(good: &Json) -> Vec<Damage> {
         },
         _ => vec![],
     };
-    damages_by(good, representatives(good), others)
+    damages_by(good, representatives(good, paths(good)), others)
 }
 
 /// Returns the replacements of a part: values of another type or of another size, and near values.
@@ -195,12 +197,12 @@ enum Place {
 }
 
 /// Returns the path of every part; of a long array, only the paths of parts in the first and the
-/// last element.
-fn representatives(json: &Json) -> Vec<(Path, Place)> {
+/// last element. `paths` are those of all parts of `json`.
+fn representatives(json: &Json, paths: Vec<Path>) -> Vec<(Path, Place)> {
     /// The elements of arrays with more elements count as one kind.
     const TUPLE: usize = 4;
     let mut kinds: BTreeMap<String, Vec<Path>> = BTreeMap::new();
-    for path in paths(json) {
+    for path in paths {
         let mut kind = Vec::new();
         for (depth, step) in path.iter().enumerate() {
             let items = json
@@ -270,6 +272,11 @@ mod tests {
 
     use super::*;
 
+    /// Returns an object with `n` fields.
+    fn fields(n: usize) -> Map<String, Json> {
+        (0..n).map(|i| (format!("field {i}"), json!(i))).collect()
+    }
+
     fn damaged(good: &Json) -> Vec<Json> {
         damages(good)
             .iter()
@@ -310,8 +317,7 @@ mod tests {
 
     #[test]
     fn every_field_of_many_has_every_kind_of_damage() {
-        let fields: Map<_, _> = (0..150).map(|i| (format!("field {i}"), json!(i))).collect();
-        let copies = damaged(&json!(fields));
+        let copies = damaged(&json!(fields(150)));
         for i in 0..150 {
             let field = format!("field {i}");
             for value in [
@@ -332,10 +338,7 @@ mod tests {
 
     #[test]
     fn no_field_of_a_large_world_is_left_out() {
-        let fields: Map<_, _> = (0..1000)
-            .map(|i| (format!("field {i}"), json!(i)))
-            .collect();
-        let copies = damaged(&json!(fields));
+        let copies = damaged(&json!(fields(1000)));
         for i in 0..1000 {
             let field = format!("field {i}");
             assert!(copies.iter().any(|copy| copy[&field] == i + 1), "{field}");
@@ -363,9 +366,7 @@ mod tests {
 
     #[test]
     fn each_field_of_a_huge_world_has_the_next_kind_of_damage() {
-        let fields: Map<_, _> = (0..10_001)
-            .map(|i| (format!("field {i}"), json!(i)))
-            .collect();
+        let fields = fields(10_001);
         let damages = damages(&json!(fields));
         let damaged: BTreeSet<_> = damages.iter().map(Damage::place).collect();
         assert!(

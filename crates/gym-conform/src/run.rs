@@ -284,14 +284,14 @@ pub fn reports_with(ids: &[String], tell: impl Fn(Progress<'_>) + Sync) -> Resul
     // Each thread takes the last remaining spec. Some environments take a hundred times as long as
     // others; the slowest are last in the order of ids (`rapier/CarRacing-v3`).
     let queue = Mutex::new(specs.iter().enumerate());
-    let take = || {
+    let next_spec = || {
         queue
             .lock()
             .unwrap_or_else(PoisonError::into_inner)
             .next_back()
     };
     let check_next = || {
-        let (i, spec) = take()?;
+        let (i, spec) = next_spec()?;
         tell(Progress::Begins { id: &spec.id });
         let long = |long: &Long| match long {
             Long::Runs(check) => tell(Progress::Runs {

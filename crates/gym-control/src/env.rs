@@ -175,6 +175,13 @@ impl ControlEnv {
         }))
     }
 
+    /// Whether the last step was computed together with other worlds: see [`Data::is_behind`].
+    pub fn is_behind(&self) -> bool {
+        self.episode
+            .as_ref()
+            .is_some_and(|episode| episode.data.is_behind())
+    }
+
     fn start(&mut self, reset: &Reset) -> Result<Box<Episode>> {
         let model = &self.world.model;
         let seed = match (&reset.seed, &self.episode) {

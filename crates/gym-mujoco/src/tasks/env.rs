@@ -151,6 +151,11 @@ impl<T: Task> MujocoEnv<T> {
         })
     }
 
+    #[cfg(test)]
+    pub(super) fn episode_data(&self) -> Option<&Data> {
+        self.episode.as_ref().map(|episode| &episode.data)
+    }
+
     fn observe(&self, observation: &mut Array) -> Result<()> {
         let Some(episode) = &self.episode else {
             return Err(Error::ResetNeeded("step"));

@@ -133,8 +133,8 @@ impl<D: Native> Step<'_, D> {
         Ok(())
     }
 
-    /// Starts episodes, as the autoreset mode says: of the environments due since the last step, or
-    /// of the environments in `done`, whose episode ended in this step.
+    /// Resets environments, according to the autoreset mode: those whose episode ended in the
+    /// previous step, or those in `done`, whose episode ended in this step.
     #[inline(always)]
     fn reset(
         &mut self,

@@ -293,7 +293,7 @@ pub trait Env: Clone + Send + 'static {
         None
     }
 
-    /// As [`inspect`](Self::inspect), to change them.
+    /// Returns what [`inspect`](Self::inspect) returns, for changes.
     fn inspect_mut(&mut self) -> Option<&mut dyn Inspect> {
         None
     }

@@ -34,7 +34,7 @@ struct Simplex {
     count: usize,
 }
 
-/// Returns the vertex that is furthest in `direction`; the first of several.
+/// Returns the index of the vertex that is furthest in `direction`; of equally far ones, the first.
 #[inline]
 pub(crate) fn support(vertices: &[Vec2], direction: Vec2) -> usize {
     let mut best = 0;

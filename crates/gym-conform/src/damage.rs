@@ -196,8 +196,8 @@ enum Place {
     Last,
 }
 
-/// Returns the path of every part; of a long array, only the paths of parts in the first and the
-/// last element. `paths` are those of all parts of `json`.
+/// Returns the paths of the parts of `json` that are damaged: of a long array, only the parts in the
+/// first and the last element. `paths` has the path of every part.
 fn representatives(json: &Json, paths: Vec<Path>) -> Vec<(Path, Place)> {
     /// The elements of arrays with more elements count as one kind.
     const TUPLE: usize = 4;

@@ -21,12 +21,12 @@ mod tests {
 
     #[test]
     fn two_folders_are_named() {
-        let cargo = "    Updating index\nerror: package collision in the lockfile: packages gym-core v0.1.0 (/a/crates/gym-core) \
-                     and gym-core v0.1.0 (/b c/crates/gym-core) are different, but only one can be written to lockfile \
+        let cargo = "    Updating index\nerror: package collision in the lockfile: packages rust-gym-core v0.1.0 (/a/crates/gym-core) \
+                     and rust-gym-core v0.1.0 (/b c/crates/gym-core) are different, but only one can be written to lockfile \
                      unambiguously\n";
         assert_eq!(
             explain(cargo).unwrap(),
-            "the crate gym-core comes from two folders, /a/crates/gym-core and /b c/crates/gym-core: let all manifests of \
+            "the crate rust-gym-core comes from two folders, /a/crates/gym-core and /b c/crates/gym-core: let all manifests of \
              the workspace name one of the two"
         );
         assert_eq!(

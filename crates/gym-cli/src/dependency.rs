@@ -66,13 +66,18 @@ impl Source {
 
     /// Returns the dependency on the crate `name`, as a value for a manifest.
     pub(crate) fn dependency(&self, name: &str) -> String {
+        let package = match name {
+            "gym" | "gym-core" => format!("package = \"rust-{name}\", "),
+            _ => String::new(),
+        };
         match self {
-            Self::Folder(folder) => format!("{{ path = {:?} }}", folder.join(name)),
-            Self::Git(address, None) => format!("{{ git = {address:?} }}"),
+            Self::Folder(folder) => format!("{{ {package}path = {:?} }}", folder.join(name)),
+            Self::Git(address, None) => format!("{{ {package}git = {address:?} }}"),
             Self::Git(address, Some((kind, name))) => {
-                format!("{{ git = {address:?}, {kind} = {name:?} }}")
+                format!("{{ {package}git = {address:?}, {kind} = {name:?} }}")
             }
-            Self::Version(version) => format!("{version:?}"),
+            Self::Version(version) if package.is_empty() => format!("{version:?}"),
+            Self::Version(version) => format!("{{ {package}version = {version:?} }}"),
         }
     }
 }
@@ -108,16 +113,26 @@ mod tests {
 
     #[test]
     fn crates_are_named_as_the_workspace_names_them() {
-        let named = |dependency: &Json| {
+        let named = |dependency: &Json, name: &str| {
             let source = Source::read(dependency).unwrap();
-            source.dependency("gym-core")
+            source.dependency(name)
         };
         let folder = json!({"name": "gym-cli", "path": "/x/crates/gym-cli", "source": null});
-        assert_eq!(named(&folder), "{ path = \"/x/crates/gym-core\" }");
-        let registry = json!({"source": "registry+https://example.org/index", "req": "^0.1.0"});
         assert_eq!(
-            named(&registry),
-            concat!('"', env!("CARGO_PKG_VERSION"), '"')
+            named(&folder, "gym-render"),
+            "{ path = \"/x/crates/gym-render\" }"
+        );
+        // another project has the name `gym-core` in the registry
+        assert_eq!(
+            named(&folder, "gym-core"),
+            "{ package = \"rust-gym-core\", path = \"/x/crates/gym-core\" }"
+        );
+        let version = env!("CARGO_PKG_VERSION");
+        let registry = json!({"source": "registry+https://example.org/index", "req": "^0.1.0"});
+        assert_eq!(named(&registry, "gym-render"), format!("{version:?}"));
+        assert_eq!(
+            named(&registry, "gym-core"),
+            format!("{{ package = \"rust-gym-core\", version = {version:?} }}")
         );
         for (query, expected) in [
             ("", "{ git = \"https://example.org/gym\" }"),
@@ -131,7 +146,7 @@ mod tests {
             ),
         ] {
             let git = json!({"source": format!("git+https://example.org/gym{query}"), "req": "*"});
-            assert_eq!(named(&git), expected);
+            assert_eq!(named(&git, "gym-render"), expected);
         }
     }
 }

@@ -2,7 +2,6 @@
 import { h } from "./dom.js";
 import { paint } from "./engine.js";
 
-const BOOK = "https://github.com/gym-rust/gym/blob/main/docs/README.md";
 
 // The size of a tile's picture. Environments draw vector graphics, and a small picture takes less time.
 const TILE = 300;
@@ -117,7 +116,7 @@ export function gallery(main, engine, environments) {
     h("section", { class: "hero" },
       h("div", {},
         h("h1", {}, "Gymnasium's environments, live"),
-        h("p", {}, h("a", { href: "https://gymnasium.farama.org" }, "Gymnasium"), " is the usual interface between agents that learn and the tasks that they learn: an agent sees an observation, chooses an action and gets a reward. These are its tasks, written in Rust and compiled for the browser, as ", h("a", { href: BOOK }, "the book"), " explains."),
+        h("p", {}, h("a", { href: "https://gymnasium.farama.org" }, "Gymnasium"), " is the usual interface between agents that learn and the tasks that they learn: an agent sees an observation, chooses an action and gets a reward. These are its tasks, written in Rust and compiled for the browser."),
         h("p", {}, "Watch a good policy, take over yourself, see what the agent sees, and ", h("a", { href: "#/learn" }, "train an agent"), ". Nothing to install.")),
       search),
     ...sections.map(({ element }) => element),

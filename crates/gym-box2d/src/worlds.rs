@@ -1,6 +1,6 @@
 //! Steps of one world alone, or of many worlds together.
 
-use fearless_simd::Level;
+use gym_core::math;
 use gym_core::vector::lockstep::Together;
 
 use crate::physics::{LANES, Lanes, Place, World};
@@ -11,7 +11,7 @@ pub struct Worlds(Lanes);
 
 impl Default for Worlds {
     fn default() -> Self {
-        Self(Lanes::new(Level::new()))
+        Self(Lanes::new(math::level()))
     }
 }
 

@@ -44,6 +44,8 @@ mod policy;
 mod python;
 mod replay;
 mod run;
+#[cfg(feature = "conform")]
+mod sample;
 mod soak;
 mod workspace;
 
@@ -124,6 +126,10 @@ fn start(package: &str, book: Option<&Book>) -> ExitCode {
         Err(error) => return ExitCode::from(output::refuse(&error)),
     };
     let workspace = Workspace::of(Path::new(package));
+    if let Err(error) = gym::math::requested_level() {
+        tell(format_args!("error: {error}"));
+        return ExitCode::FAILURE;
+    }
     match command(arguments.command, &workspace, book) {
         Ok(code) => code,
         Err(error) => {

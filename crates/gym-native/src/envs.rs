@@ -6,7 +6,7 @@ use std::fmt;
 use fearless_simd::{Level, dispatch};
 use serde_json::Value as Json;
 
-use gym_core::math::{Kernel, Real, widest};
+use gym_core::math::{self, Kernel, Real, widest};
 use gym_core::registry::{Each, ResetOptions};
 use gym_core::render::Metadata;
 use gym_core::rng::Stream;
@@ -93,7 +93,7 @@ impl<D: Native> NativeVectorEnv<D> {
             autoreset,
             observation_space,
             action_space,
-            level: Level::new(),
+            level: math::level(),
             closed: false,
             blocks: Vec::new(),
             streams: Vec::new(),

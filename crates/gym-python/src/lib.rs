@@ -31,6 +31,7 @@ mod _native {
 
     #[pymodule_init]
     fn init(module: &Bound<'_, PyModule>) -> PyResult<()> {
+        gym::math::requested_level().map_err(pyo3::exceptions::PyValueError::new_err)?;
         module.add("__version__", env!("CARGO_PKG_VERSION"))
     }
 

@@ -3,8 +3,8 @@
 use std::sync::Arc;
 
 use fearless_simd::Level;
-use gym_core::Array;
 use gym_core::vector::lockstep::Together;
+use gym_core::{Array, math};
 
 use crate::physics::lanes::Stride;
 use crate::physics::{forward, fwd_actuation, lanes};
@@ -55,7 +55,7 @@ pub struct Place {
 
 impl Default for Worlds {
     fn default() -> Self {
-        Self::new(Level::new())
+        Self::new(math::level())
     }
 }
 
@@ -72,7 +72,7 @@ impl Worlds {
     /// Whether this CPU steps worlds together.
     #[must_use]
     pub fn can_step() -> bool {
-        lanes::width(Level::new()).is_some()
+        lanes::width(math::level()).is_some()
     }
 
     /// Adds a world to a group: its state, and the action of its next step, which must have one

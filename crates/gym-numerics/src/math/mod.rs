@@ -12,7 +12,8 @@
 //!
 //! Scalars are `f64`, in Gymnasium's order of operations, which gives its numbers bit for bit;
 //! where numpy 2 computes in `float32`, so do the environments. A lint (`clippy.toml`) forbids the
-//! platform's own functions. A CPU without FMA emulates it, with equal results.
+//! platform's own functions. A CPU without FMA emulates it, with equal results; [`level`] tells how to
+//! see that on any CPU.
 //!
 //! Every function that is called inside [`with`] or [`widest`] must be `#[inline(always)]`:
 //! otherwise it is compiled without FMA. A test that counts the instructions of a step detects
@@ -23,6 +24,7 @@ mod exp;
 mod fma;
 mod hyperbolic;
 mod lanes;
+mod level;
 mod log;
 mod numpy;
 mod pow;
@@ -41,6 +43,7 @@ use fearless_simd::Simd;
 
 pub use fma::{Emulated, Fma, Hardware};
 pub use lanes::Lanes;
+pub use level::{level, requested_level};
 pub use numpy::sin_cos as numpy_sin_cos_f32;
 pub use real::{One, Real};
 pub use sum::pairwise_sum;
@@ -59,9 +62,6 @@ pub trait Kernel {
 /// has no FMA.
 #[inline]
 pub fn widest<K: Kernel>(level: Level, kernel: K) -> K::Output {
-    if cfg!(feature = "emulate-fma") {
-        return kernel.run::<One<Emulated>>(());
-    }
     #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
     if let Some(simd) = level.as_avx512() {
         return in_lanes(simd, kernel);
@@ -87,17 +87,14 @@ fn in_lanes<S: Simd, K: Kernel>(simd: S, kernel: K) -> K::Output {
     )
 }
 
-/// Calls `hardware`, compiled with FMA, if this CPU has it, otherwise `emulated`. Both must be
+/// Calls `hardware`, compiled with FMA, if the [`level`] has it, otherwise `emulated`. Both must be
 /// `#[inline(always)]` closures that differ only in [`Hardware`] and [`Emulated`].
 ///
 /// Use it around a whole step, not inside: arguments and results pass through memory.
 #[inline(always)]
 pub fn with<A, T>(arguments: A, hardware: impl FnOnce(A) -> T, emulated: impl FnOnce(A) -> T) -> T {
-    if cfg!(feature = "emulate-fma") {
-        return emulated(arguments);
-    }
     #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
-    return match Level::new().as_avx2() {
+    return match level().as_avx2() {
         Some(avx2) => avx2.vectorize(
             #[inline(always)]
             || hardware(arguments),

@@ -1,7 +1,10 @@
 //! Tests across crates, in one program that is linked once.
 
+mod allocation;
 mod bad_input;
 mod book;
+mod by_hand;
+mod cpu;
 mod drawings;
 mod inspect;
 mod main_job;
@@ -11,6 +14,7 @@ mod parity;
 mod parity_box2d;
 mod properties;
 mod sizes;
+mod stack;
 mod vector;
 mod vector_calls;
 mod vector_maps;

@@ -14,6 +14,8 @@ use gym::{
 };
 use serde_json::{Value as Json, json};
 
+use super::by_hand::{ByHand, rows};
+
 const TABLES: [&str; 8] = [
     "Blackjack-v1",
     "CliffWalking-v0",
@@ -53,100 +55,17 @@ fn native(spec: &EnvSpec, n: usize, autoreset: Autoreset) -> Result<Box<dyn Vect
         .make()
 }
 
-/// Single environments, reset as a vector resets them.
-struct ByHand {
-    envs: Vec<BoxEnv>,
-    due: Vec<bool>,
-    autoreset: Autoreset,
+/// Returns the sub-environments of a vector.
+fn by_hand(spec: &EnvSpec, n: usize) -> Vec<ByHand> {
+    let env = || spec.make().unwrap();
+    (0..n).map(|_| ByHand::new(env())).collect()
 }
 
-/// The result of one environment; its infos come last.
-#[derive(Debug, PartialEq)]
-struct Row {
-    observation: Value,
-    reward: f64,
-    terminated: bool,
-    truncated: bool,
-    last: Option<(Value, gym::Info)>,
-    info: gym::Info,
-}
-
-impl ByHand {
-    fn new(spec: &EnvSpec, n: usize, autoreset: Autoreset) -> Self {
-        Self {
-            envs: (0..n).map(|_| spec.make().unwrap()).collect(),
-            due: vec![false; n],
-            autoreset,
-        }
-    }
-
-    fn reset(&mut self, reset: &VectorReset) -> Vec<Option<Value>> {
-        let start = |(i, env): (usize, &mut BoxEnv)| {
-            let reset = reset.of(i)?;
-            self.due[i] = false;
-            Some(env.reset(reset).unwrap())
-        };
-        self.envs.iter_mut().enumerate().map(start).collect()
-    }
-
-    fn step(&mut self, actions: &[Value]) -> Vec<Row> {
-        let step = |(i, env): (usize, &mut BoxEnv)| {
-            let mut row = Row {
-                observation: Value::Null,
-                reward: 0.0,
-                terminated: false,
-                truncated: false,
-                last: None,
-                info: gym::Info::new(),
-            };
-            if self.due[i] && self.autoreset == Autoreset::NextStep {
-                row.observation = env.reset(()).unwrap();
-                self.due[i] = false;
-            } else {
-                let step = env.step(&actions[i]).unwrap();
-                let done = step.done();
-                row = Row {
-                    observation: step.observation,
-                    reward: step.reward,
-                    ..row
-                };
-                (row.terminated, row.truncated) = (step.terminated, step.truncated);
-                if done && self.autoreset == Autoreset::SameStep {
-                    let last = std::mem::replace(&mut row.observation, Value::Null);
-                    row.last = Some((last, env.info_map()));
-                    row.observation = env.reset(()).unwrap();
-                } else {
-                    self.due[i] = done;
-                }
-            }
-            row.info = env.info_map();
-            row
-        };
-        self.envs.iter_mut().enumerate().map(step).collect()
-    }
-}
-
-fn rows(envs: &dyn VectorEnv, columns: &Columns) -> Vec<Row> {
-    let space = envs.single_observation_space();
-    let observations = space.iterate(&columns.observations).unwrap();
-    let finals = space.iterate(&columns.final_observations).unwrap();
-    observations
-        .zip(finals)
-        .enumerate()
-        .map(|(i, (observation, last))| {
-            let mut final_info = gym::Info::new();
-            envs.final_info(i, &mut |key, value| {
-                final_info.insert(key.to_owned(), value);
-            });
-            Row {
-                observation,
-                reward: columns.rewards[i],
-                terminated: columns.terminated[i],
-                truncated: columns.truncated[i],
-                last: columns.has_final[i].then_some((last, final_info)),
-                info: envs.info_map(i),
-            }
-        })
+/// Returns the observations of those that a reset names.
+fn starts(hands: &mut [ByHand], reset: &VectorReset) -> Vec<Option<Value>> {
+    let hands = hands.iter_mut().enumerate();
+    hands
+        .map(|(i, hand)| Some(hand.reset(reset.of(i)?).observation))
         .collect()
 }
 
@@ -155,14 +74,15 @@ fn rows(envs: &dyn VectorEnv, columns: &Columns) -> Vec<Row> {
 fn compare(spec: &EnvSpec, n: usize, autoreset: Autoreset, steps: usize) {
     let name = format!("{} {:?}, {n}, {autoreset:?}", spec.id, spec.kwargs);
     let mut envs = native(spec, n, autoreset).unwrap();
-    let mut by_hand = ByHand::new(spec, n, autoreset);
+    let mut hands = by_hand(spec, n);
     let mut columns = envs.columns().unwrap();
     let mut reset = VectorReset::from(123);
     let mut actions = envs.action_space().unwrap().sampler(5);
     for step in 0..steps {
-        if step == 0 || autoreset == Autoreset::Disabled && by_hand.due.contains(&true) {
+        let over: Vec<bool> = hands.iter().map(|hand| hand.done).collect();
+        if step == 0 || autoreset == Autoreset::Disabled && over.contains(&true) {
             if step > 0 {
-                reset = VectorReset::default().mask(by_hand.due.clone());
+                reset = VectorReset::default().mask(over.clone());
                 // sometimes a list of seeds
                 if step % 3 == 0 {
                     let seeds = (0..n as u64)
@@ -170,9 +90,8 @@ fn compare(spec: &EnvSpec, n: usize, autoreset: Autoreset, steps: usize) {
                     reset.seeds = Seeds::Each(seeds.collect());
                 }
             }
-            let before = by_hand.due.clone();
             envs.reset_into(&reset, &mut columns).unwrap();
-            let starts = by_hand.reset(&reset);
+            let starts = starts(&mut hands, &reset);
             let shown = envs
                 .single_observation_space()
                 .iterate(&columns.observations)
@@ -182,7 +101,7 @@ fn compare(spec: &EnvSpec, n: usize, autoreset: Autoreset, steps: usize) {
                     start.is_none_or(|start| start == shown),
                     "{name}: start {i} after step {step}"
                 );
-                assert!(before[i] || step == 0 || reset.of(i).is_none());
+                assert!(over[i] || step == 0 || reset.of(i).is_none());
             }
             assert!(
                 columns.rewards.iter().all(|reward| *reward == 0.0)
@@ -196,11 +115,12 @@ fn compare(spec: &EnvSpec, n: usize, autoreset: Autoreset, steps: usize) {
             .iterate(&batch)
             .unwrap()
             .collect();
-        for (i, (got, want)) in rows(&*envs, &columns)
+        for (i, (got, (hand, action))) in rows(&*envs, &columns)
             .into_iter()
-            .zip(by_hand.step(&single))
+            .zip(hands.iter_mut().zip(&single))
             .enumerate()
         {
+            let want = hand.step(action, autoreset);
             assert_eq!(got, want, "{name}: step {step} of {i}");
         }
     }
@@ -270,9 +190,9 @@ fn async_vectors_of_box2d_equal_native_ones() {
 fn a_refused_action_leaves_no_step_begun() {
     let spec = spec("LunarLanderContinuous-v3", json!({}));
     let mut envs = native(&spec, 6, Autoreset::NextStep).unwrap();
-    let mut by_hand = ByHand::new(&spec, 6, Autoreset::NextStep);
+    let mut hands = by_hand(&spec, 6);
     let mut columns = envs.reset(3).unwrap();
-    by_hand.reset(&3.into());
+    starts(&mut hands, &3.into());
     let batch = |x: f32| {
         let rows: Vec<f32> = (0..6)
             .flat_map(|i| [if i == 4 { x } else { 0.4 }, 0.9])
@@ -293,7 +213,7 @@ fn a_refused_action_leaves_no_step_begun() {
                 .unwrap()
                 .nth(i)
                 .unwrap();
-            let step = by_hand.envs[i].step(&action).unwrap();
+            let step = hands[i].env.step(&action).unwrap();
             let shown = envs
                 .single_observation_space()
                 .iterate(&columns.observations)
@@ -521,7 +441,7 @@ fn starts_equal_those_of_scalar_environments() {
     for id in CLASSIC {
         let spec = spec(id, json!({}));
         let mut envs = native(&spec, 40, Autoreset::NextStep).unwrap();
-        let mut by_hand = ByHand::new(&spec, 40, Autoreset::NextStep);
+        let mut hands = by_hand(&spec, 40);
         let mut columns = envs.columns().unwrap();
         let options = if id == "Pendulum-v1" {
             ["x_init", "y_init"]
@@ -545,7 +465,7 @@ fn starts_equal_those_of_scalar_environments() {
                 .iterate(&columns.observations)
                 .unwrap();
             let mut shown: Vec<Value> = shown.collect();
-            for (i, start) in by_hand.reset(&reset).into_iter().enumerate() {
+            for (i, start) in starts(&mut hands, &reset).into_iter().enumerate() {
                 if let Some(start) = start {
                     assert_eq!(shown[i], start, "{id}: {reset:?} of {i}");
                 }
@@ -555,7 +475,7 @@ fn starts_equal_those_of_scalar_environments() {
                 VectorReset::default().mask((0..40).map(|i| i == 39).collect::<Vec<_>>());
             let mut other = Columns::default();
             envs.reset_into(&left_out, &mut other).unwrap();
-            by_hand.reset(&left_out);
+            starts(&mut hands, &left_out);
             let again = envs
                 .single_observation_space()
                 .iterate(&other.observations)

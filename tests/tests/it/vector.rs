@@ -13,6 +13,8 @@ use gym::{
     VectorEnvExt, WrapperSpec, builder, make_vec, registry,
 };
 
+use super::by_hand::{ByHand, Row, rows};
+
 const MODES: [Autoreset; 3] = [
     Autoreset::NextStep,
     Autoreset::SameStep,
@@ -33,91 +35,6 @@ fn ids() -> Vec<String> {
     ids.filter(|id| !id.starts_with("rapier/")).collect()
 }
 
-/// What one sub-environment should show after a reset or step.
-#[derive(Clone, Debug, Default, PartialEq)]
-struct Row {
-    observation: Value,
-    reward: f64,
-    terminated: bool,
-    truncated: bool,
-    final_observation: Option<Value>,
-    info: Info,
-    final_info: Option<Info>,
-}
-
-/// Returns the rows of a vector.
-fn rows(envs: &dyn VectorEnv, columns: &Columns) -> Vec<Row> {
-    let space = envs.single_observation_space();
-    let row = |batch: &Value, i| {
-        let mut element = Value::Null;
-        space.read_row(batch, i, &mut element).unwrap();
-        element
-    };
-    let row = |i: usize| {
-        let mut final_info = Info::new();
-        envs.final_info(i, &mut |key, value| {
-            drop(final_info.insert(key.to_owned(), value));
-        });
-        assert!(columns.has_final[i] || final_info.is_empty());
-        Row {
-            observation: row(&columns.observations, i),
-            reward: columns.rewards[i],
-            terminated: columns.terminated[i],
-            truncated: columns.truncated[i],
-            final_observation: columns.has_final[i].then(|| row(&columns.final_observations, i)),
-            info: envs.info_map(i),
-            final_info: columns.has_final[i].then_some(final_info),
-        }
-    };
-    (0..envs.num_envs()).map(row).collect()
-}
-
-/// A sub-environment that is stepped by hand.
-struct ByHand {
-    env: BoxEnv,
-    done: bool,
-}
-
-impl ByHand {
-    fn reset(&mut self, reset: impl Into<Reset>) -> Row {
-        self.done = false;
-        let observation = self.env.reset(reset).unwrap();
-        Row {
-            observation,
-            info: self.env.info_map(),
-            ..Row::default()
-        }
-    }
-
-    fn step(&mut self, action: &Value, autoreset: Autoreset) -> Row {
-        if self.done {
-            assert_eq!(autoreset, Autoreset::NextStep);
-            return self.reset(());
-        }
-        let step = self.env.step(action).unwrap();
-        self.done = step.done();
-        let row = Row {
-            observation: step.observation.clone(),
-            reward: step.reward,
-            terminated: step.terminated,
-            truncated: step.truncated,
-            info: self.env.info_map(),
-            ..Row::default()
-        };
-        if self.done && autoreset == Autoreset::SameStep {
-            let start = self.reset(());
-            return Row {
-                observation: start.observation,
-                info: start.info,
-                final_observation: Some(row.observation),
-                final_info: Some(row.info),
-                ..row
-            };
-        }
-        row
-    }
-}
-
 #[test]
 fn a_sync_vector_is_its_environments_stepped_by_hand() {
     const N: usize = 3;
@@ -129,12 +46,7 @@ fn a_sync_vector_is_its_environments_stepped_by_hand() {
                 .build()
                 .unwrap();
             let env = || builder(&id).max_episode_steps(9).build().unwrap();
-            let mut hands: Vec<_> = (0..N)
-                .map(|_| ByHand {
-                    env: env(),
-                    done: false,
-                })
-                .collect();
+            let mut hands: Vec<_> = (0..N).map(|_| ByHand::new(env())).collect();
             let mut columns = envs.columns().unwrap();
             let mut actions = envs.action_sampler(17).unwrap();
             envs.reset_into(&5.into(), &mut columns).unwrap();

@@ -7,3 +7,4 @@ mod rare;
 mod rooms;
 mod seams;
 mod spaces;
+mod window;

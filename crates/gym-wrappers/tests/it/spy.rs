@@ -224,7 +224,7 @@ const CALLS: &[Call] = &[
 
 /// Returns the methods of the trait `Env`, read from its source.
 fn methods() -> BTreeSet<&'static str> {
-    let source = include_str!("../../gym-core/src/env/mod.rs");
+    let source = include_str!("../../../gym-core/src/env/mod.rs");
     let (_, body) = source.split_once("pub trait Env:").unwrap();
     let (body, _) = body.split_once("\n}\n").unwrap();
     let functions = body.lines().filter_map(|line| line.strip_prefix("    fn "));

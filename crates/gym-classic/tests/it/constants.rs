@@ -6,6 +6,7 @@ use gym_core::prelude::*;
 use gym_core::registry::find;
 use gym_core::vector::VectorKind;
 use gym_core::{BoxEnv, Generator, Inspect, Kwargs, Value, builder};
+use gym_testing::Sum;
 use serde::Deserialize;
 
 /// An episode of Gymnasium, recorded by `constants.py`.
@@ -72,33 +73,6 @@ impl Actions {
     }
 }
 
-/// The FNV-1a hash of an environment's results.
-struct Sum(u64);
-
-impl Sum {
-    fn of(observation: &[f32]) -> Self {
-        let mut sum = Self(0xcbf2_9ce4_8422_2325);
-        sum.observe(observation);
-        sum
-    }
-
-    fn word(&mut self, word: u64) {
-        self.0 = (self.0 ^ word).wrapping_mul(0x0100_0000_01b3);
-    }
-
-    fn observe(&mut self, observation: &[f32]) {
-        observation
-            .iter()
-            .for_each(|x| self.word(u64::from(x.to_bits())));
-    }
-
-    fn step(&mut self, observation: &[f32], reward: f64, done: bool) {
-        self.observe(observation);
-        self.word(reward.to_bits());
-        self.word(u64::from(done));
-    }
-}
-
 fn sum_of(env: &mut BoxEnv, id: &str, seed: u64) -> String {
     let mut actions = Actions::new(id, seed);
     let mut observation = env.reset(seed).unwrap();
@@ -115,7 +89,7 @@ fn sum_of(env: &mut BoxEnv, id: &str, seed: u64) -> String {
         }
         own.step(observation.as_slice().unwrap(), reward, done);
     }
-    format!("{:016x}", own.0)
+    format!("{:016x}", own.finish())
 }
 
 #[test]
@@ -165,7 +139,7 @@ fn constants_of_native_vectors_are_gymnasiums() {
             envs.step_into(&batch, &mut columns).unwrap();
             own.step(&first(&columns), columns.rewards[0], columns.done(0));
         }
-        assert_eq!(format!("{:016x}", own.0), sum, "{id}: {arguments:?}");
+        assert_eq!(format!("{:016x}", own.finish()), sum, "{id}: {arguments:?}");
     }
 }
 

@@ -1,0 +1,6 @@
+//! Tests through the public interface, in one program that is linked once.
+
+mod contract;
+mod engines;
+mod rapier;
+mod rules;

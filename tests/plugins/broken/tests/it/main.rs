@@ -1,0 +1,6 @@
+//! Each check of gym-conform finds the environments that break it.
+
+mod bites;
+mod matching;
+mod wrapped;
+mod wrong_wrappers;

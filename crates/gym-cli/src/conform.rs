@@ -10,6 +10,14 @@ use crate::workspace::Workspace;
 pub(crate) struct Arguments {
     /// The environments; by default those that this workspace registers.
     ids: Vec<String>,
+    /// Checks one environment of each class: of those of one module with the same arguments, the
+    /// last in the order of ids.
+    #[arg(long, conflicts_with = "ids")]
+    sample: bool,
+    /// With `--sample`: checks also all environments of crates with files that differ from this
+    /// commit.
+    #[arg(long, value_name = "COMMIT", requires = "sample")]
+    changed_since: Option<String>,
     /// `text`, `json` or `junit`.
     #[arg(long, default_value = "text")]
     format: String,
@@ -28,8 +36,14 @@ pub(crate) fn conform(arguments: &Arguments, workspace: &Workspace) -> Result<Ex
     cargo
         .args(["run", "--features", "gym-cli/conform", "--manifest-path"])
         .arg(workspace.manifest())
-        .args(["--", "conform", "--format", &arguments.format, "--"])
-        .args(&arguments.ids);
+        .args(["--", "conform", "--format", &arguments.format]);
+    if arguments.sample {
+        cargo.arg("--sample");
+    }
+    if let Some(commit) = &arguments.changed_since {
+        cargo.args(["--changed-since", commit]);
+    }
+    cargo.arg("--").args(&arguments.ids);
     let status = cargo
         .status()
         .map_err(|error| Error::custom(format!("cargo cannot be run: {error}")))?;
@@ -45,9 +59,17 @@ pub(crate) fn conform(arguments: &Arguments, workspace: &Workspace) -> Result<Ex
     use gym::{Error, Registration};
 
     use crate::output::{self, tell};
+    use crate::sample::{changed_files, sample};
 
     let format: Format = arguments.format.parse()?;
-    let registrations = workspace.select(&arguments.ids)?;
+    let mut registrations = workspace.select(&arguments.ids)?;
+    if arguments.sample {
+        let changed = match &arguments.changed_since {
+            Some(commit) => changed_files(workspace, commit)?,
+            None => vec![],
+        };
+        registrations = sample(registrations, &changed)?;
+    }
     let ids: Vec<_> = registrations
         .iter()
         .map(Registration::id)

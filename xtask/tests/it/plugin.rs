@@ -57,6 +57,7 @@ fn xtask(folder: &Path, arguments: &[&str]) -> String {
 
 /// `new` makes a crate that conforms and draws. The checks find a fault that the test adds.
 #[test]
+#[ignore = "builds every crate again: run with `--ignored plugin::`"]
 fn new_makes_a_plugin_that_works() {
     let _alone = alone();
     let folder = folder("new").join("my_envs");
@@ -90,6 +91,7 @@ fn new_makes_a_plugin_that_works() {
 }
 
 #[test]
+#[ignore = "builds every crate again: run with `--ignored plugin::`"]
 fn new_makes_a_native_vector_that_works() {
     let _alone = alone();
     let folder = folder("new-native").join("rockets");
@@ -109,6 +111,7 @@ fn new_makes_a_native_vector_that_works() {
 
 /// Every command works for the environments of a plugin.
 #[test]
+#[ignore = "builds every crate again: run with `--ignored plugin::`"]
 fn commands_serve_a_plugin() {
     let _alone = alone();
     let good = Path::new(GOOD);
@@ -148,6 +151,7 @@ fn commands_serve_a_plugin() {
 
 /// `conform` has a separate build, with drawing and the allocator that counts.
 #[test]
+#[ignore = "builds every crate again: run with `--ignored plugin::`"]
 fn conform_serves_a_plugin() {
     let _alone = alone();
     let good = Path::new(GOOD);
@@ -188,6 +192,7 @@ fn conform_serves_a_plugin() {
 
 /// `docs` and `python` write pages and a Python package for a plugin.
 #[test]
+#[ignore = "builds every crate again: run with `--ignored plugin::`"]
 fn a_plugin_has_pages_and_a_python_package() {
     let _alone = alone();
     let copy = folder("plugin-copy").join("sutton");

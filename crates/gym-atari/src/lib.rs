@@ -43,3 +43,9 @@ pub use env::{AtariAction, AtariEnv, Config, Frameskip, ObsType};
 pub use preprocessing::{AtariPreprocessing, Preprocessing};
 pub use rom::{Rom, RomDir};
 pub use tia::Display;
+
+gym_core::family!(
+    gym_core::registry::Family::new("Atari", 50)
+        .page("atari.md")
+        .needs("ROMs", rom::available)
+);

@@ -33,6 +33,8 @@ pub use car_racing::{CarRacing, ScoreGlyphs};
 pub use lunar_lander::LunarLander;
 pub use worlds::Worlds;
 
+gym_core::family!(gym_core::registry::Family::new("Box2D", 30));
+
 /// Compiles and runs the example of the README.
 #[cfg(doctest)]
 #[doc = include_str!("../README.md")]

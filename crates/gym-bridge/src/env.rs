@@ -439,11 +439,9 @@ fn frame(array: &gym_core::Array) -> Option<Frame> {
 }
 
 gym_core::register!(
-    Registration::new::<PythonEnv>("GymV26Environment-v0")
-        .description(
-            "Runs an environment of OpenAI gym or Gymnasium, named by `env_id`, in a Python process."
-        )
-        .needs("a Python environment, named by the argument `env_id`", || false)
+    Registration::new::<PythonEnv>("GymV26Environment-v0").description(
+        "Runs an environment of OpenAI gym or Gymnasium, named by `env_id`, in a Python process."
+    )
 );
 
 #[cfg(test)]

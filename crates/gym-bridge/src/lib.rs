@@ -50,3 +50,12 @@ mod worker;
 
 pub use config::Config;
 pub use env::PythonEnv;
+
+gym_core::family!(
+    gym_core::registry::Family::new("Python's environments", 80)
+        .page("bridge.md")
+        .needs(
+            "a Python environment, named by the argument `env_id`",
+            || false
+        )
+);

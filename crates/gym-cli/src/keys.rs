@@ -7,7 +7,7 @@ use serde_json::{Value as Json, json};
 /// Returns the keys of an environment: the registration's keys or, if it has none and the actions
 /// are discrete, the digits.
 pub(crate) fn of(id: &str, env: &BoxEnv) -> Result<Keys> {
-    let registered = registry::find(id)?.keys;
+    let registered = registry::find(id)?.page.keys;
     Ok(registered.map_or_else(|| Keys::new(digits(&env.action_space())), |keys| keys(env)))
 }
 
@@ -104,7 +104,7 @@ mod tests {
         let mut played = 0;
         for registration in gym::registry::self_contained() {
             let env = gym::make(registration.id()).unwrap();
-            if registration.keys.is_some() {
+            if registration.page.keys.is_some() {
                 check(&of(registration.id(), &env).unwrap(), &env.action_space()).unwrap();
                 played += 1;
             }

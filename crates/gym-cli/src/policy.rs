@@ -42,6 +42,7 @@ impl Policy {
             return Ok(None);
         };
         registry::find(&spec.id)?
+            .page
             .policy
             .map_or(Ok(None), |policy| policy.controller(env))
     }

@@ -91,15 +91,20 @@ fn is_in_workspace(file: &str) -> bool {
 }
 
 /// Returns the environments without external requirements. Reports the others.
-pub(crate) fn without_needy(all: Vec<Registration>) -> Vec<Registration> {
-    let (mut needy, all): (Vec<_>, Vec<_>) = all
-        .into_iter()
-        .partition(|registration| registration.needs.is_some());
-    needy.sort_by(|a, b| a.source.package.cmp(b.source.package));
-    for group in needy.chunk_by(|a, b| a.source.package == b.source.package) {
-        tell(format_args!("{}", left_out(group)));
-    }
+pub(crate) fn without_needy(mut all: Vec<Registration>) -> Vec<Registration> {
+    tell_needy(&all);
+    all.retain(|registration| registration.needs.is_none());
     all
+}
+
+/// Reports the environments with external requirements, which the command skips.
+pub(crate) fn tell_needy(all: &[Registration]) {
+    let needy = all
+        .iter()
+        .filter(|registration| registration.needs.is_some());
+    for (_, group) in registry::by_family(needy.cloned()) {
+        tell(format_args!("{}", left_out(&group)));
+    }
 }
 
 /// Returns a line about the environments of one crate that are skipped because of external

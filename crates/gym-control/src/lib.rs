@@ -38,6 +38,11 @@ pub use observation::Observation;
 pub use start::Start;
 pub use task::{Domain, Task, register};
 
+gym_core::family!(gym_core::registry::Family::new(
+    "DeepMind Control Suite",
+    70
+));
+
 /// The example of the README, compiled and run.
 #[cfg(doctest)]
 #[doc = include_str!("../README.md")]

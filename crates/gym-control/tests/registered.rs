@@ -248,7 +248,7 @@ fn the_string_of_the_ball_is_shown() {
 fn pendulum_and_cartpole_are_played_with_the_arrows() {
     let mut played = 0;
     for id in ids() {
-        let Some(keys) = registry::find(&id).unwrap().keys else {
+        let Some(keys) = registry::find(&id).unwrap().page.keys else {
             continue;
         };
         let mut env = make(&id).unwrap();
@@ -276,7 +276,7 @@ fn pendulum_and_cartpole_are_played_with_the_arrows() {
 #[test]
 fn masses_are_brought_to_rest_by_the_rule_of_lqr() {
     for id in ["dm_control/lqr-lqr_2_1-v0", "dm_control/lqr-lqr_6_2-v0"] {
-        let policy = registry::find(id).unwrap().policy.unwrap();
+        let policy = registry::find(id).unwrap().page.policy.unwrap();
         let mut env = make(id).unwrap();
         let energy = |seen: &Value| -> f64 {
             let parts = ["position", "velocity"].map(|part| seen.get(part).unwrap());

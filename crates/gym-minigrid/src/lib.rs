@@ -49,6 +49,8 @@ pub use grid::{Grid, Pos};
 pub use level::Level;
 pub use world::{Action, World};
 
+gym_core::family!(gym_core::registry::Family::new("MiniGrid and BabyAI", 60).page("minigrid.md"));
+
 /// The example of the README, compiled and run.
 #[cfg(doctest)]
 #[doc = include_str!("../README.md")]

@@ -28,3 +28,5 @@ pub use tasks::{
     Ant, HalfCheetah, Hopper, Humanoid, HumanoidStandup, InvertedDoublePendulum, InvertedPendulum,
     Pusher, Reacher, Simulated, Swimmer, Walker2d, simulated, simulated_mut,
 };
+
+gym_core::family!(gym_core::registry::Family::new("MuJoCo", 40));

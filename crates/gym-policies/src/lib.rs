@@ -238,7 +238,7 @@ mod tests {
 
         let mut played = 0;
         for registration in registry::all() {
-            let policy = registration.policy;
+            let policy = registration.page.policy;
             let Some(policy) = policy.filter(|policy| policy.description.contains("network"))
             else {
                 continue;

@@ -29,6 +29,8 @@ pub use cliff_walking::CliffWalking;
 pub use frozen_lake::FrozenLake;
 pub use taxi::Taxi;
 
+gym_core::family!(gym_core::registry::Family::new("Toy text", 20));
+
 /// Compiles and runs the example of the README.
 #[cfg(doctest)]
 #[doc = include_str!("../README.md")]

@@ -1,6 +1,7 @@
 // The gallery: environments by family, each playing in a tile.
 import { h } from "./dom.js";
 import { paint } from "./engine.js";
+import { page, titleOf } from "./pages.js";
 
 
 // The size of a tile's picture. Environments draw vector graphics, and a small picture takes less time.
@@ -8,28 +9,32 @@ const TILE = 300;
 
 const still = matchMedia("(prefers-reduced-motion: reduce)");
 
-// The order of this project's families. A plugin's families come first.
-const ORDER = ["Classic control", "Toy text", "Box2D", "MuJoCo", "Atari"];
-
 // Returns the words of a name, with possible line breaks between them.
 export const words = (name) => name.split(/(?<=[a-z0-9])(?=[A-Z])/).flatMap((word, i) => (i ? [h("wbr"), word] : [word]));
 
-// Groups environments by family and by name, the newest version of a name first.
+// Groups environments by family, and each family's environments by card: those that share a page of the book. The first of
+// a card is the one that it shows; the newest version of a name comes before the others.
 export function families(environments) {
-  const rank = ({ family }) => ORDER.indexOf(family);
-  environments = [...environments].sort((a, b) => rank(a) - rank(b));
   const families = new Map();
   for (const environment of environments) {
-    const tasks = families.get(environment.family) ?? new Map();
-    families.set(environment.family, tasks);
-    const versions = tasks.get(environment.name) ?? [];
-    tasks.set(environment.name, versions);
-    versions.push(environment);
+    const cards = families.get(environment.family) ?? [];
+    families.set(environment.family, cards);
+    (cards[environment.card] ??= []).push(environment);
   }
-  for (const tasks of families.values()) {
-    for (const versions of tasks.values()) versions.sort((a, b) => (b.version ?? 0) - (a.version ?? 0));
-  }
+  const byName = (a, b) => b.shown - a.shown || (a.name < b.name ? -1 : a.name > b.name ? 1 : (b.version ?? 0) - (a.version ?? 0));
+  for (const cards of families.values()) cards.forEach((card) => card.sort(byName));
   return families;
+}
+
+// Returns the card of an environment.
+export const cardOf = (environments, { family, card }) => families(environments).get(family)[card];
+
+// Returns a menu of a card's environments, with `chosen` selected.
+export function choice(card, chosen, choose) {
+  const isOfOneName = card.every(({ name }) => name === chosen.name);
+  const menu = h("select", { class: "choice", "aria-label": isOfOneName ? "Version" : "Environment" }, card.map((other) => h("option", { value: other.id, selected: other === chosen }, isOfOneName ? `v${other.version}` : other.id)));
+  menu.addEventListener("change", () => choose(card.find(({ id }) => id === menu.value)));
+  return menu;
 }
 
 export const link = (id) => `#/${id.split("/").map(encodeURIComponent).join("/")}`;
@@ -40,14 +45,24 @@ export function gallery(main, engine, environments) {
     for (const { target, isIntersecting } of entries) tiles.get(target)?.(isIntersecting);
   }, { rootMargin: "80px" });
 
-  function tile(environment, older) {
+  function tile(card) {
+    let [environment] = card;
     const canvas = h("canvas", { width: TILE, height: TILE * 2 / 3, "aria-hidden": "true" });
-    const element = h("li", { class: "tile" },
-      h("a", { href: link(environment.id) },
-        h("div", { class: "tile-picture" }, canvas),
-        h("h3", {}, words(environment.name.replace(/^ALE\//, "")), " ", environment.version === null ? null : h("span", { class: "version" }, `v${environment.version}`)),
-        h("p", {}, environment.description)),
-      older.length ? h("p", { class: "older" }, "older: ", older.flatMap((other, i) => [i ? ", " : "", h("a", { href: link(other.id) }, `v${other.version}`)])) : null);
+    const title = h("h3", {}, words(environment.name.replace(/^ALE\//, "")), " ", card.length > 1 || environment.version === null ? null : h("span", { class: "version" }, `v${environment.version}`));
+    const task = h("p", {}, environment.description);
+    const to = h("a", { href: link(environment.id) }, h("div", { class: "tile-picture" }, canvas), title, task);
+    // a card of several names has the title of their page
+    if (card.some(({ name }) => name !== environment.name)) page(environment.id).then((page) => page && title.replaceChildren(...words(titleOf(page.text))));
+    const menu = card.length > 1 ? choice(card, environment, (chosen) => {
+      environment = chosen;
+      to.href = link(chosen.id);
+      task.textContent = chosen.description;
+      tiles.get(element)(false);
+      playing.unobserve(element);
+      tiles.set(element, live(canvas, chosen));
+      playing.observe(element);
+    }) : null;
+    const element = h("li", { class: "tile" }, to, menu);
     tiles.set(element, live(canvas, environment));
     playing.observe(element);
     return element;
@@ -79,15 +94,13 @@ export function gallery(main, engine, environments) {
     };
   }
 
-  const groups = families(environments);
-  const sections = [...groups].map(([family, tasks]) => {
-    const all = [...tasks.values()];
-    const lacking = all.filter(([newest]) => newest.missing);
+  const sections = [...families(environments)].map(([family, all]) => {
+    const lacking = all.filter(([shown]) => shown.missing);
     // ids from before ale-py had a namespace
-    const isOld = ([newest]) => !newest.name.includes("/") && all.some(([other]) => other.name.includes("/"));
-    const list = h("ul", { class: "tiles" }, all.filter((task) => !task[0].missing && !isOld(task)).map(([newest, ...older]) => tile(newest, older)));
-    const chips = (tasks) => h("ul", { class: "chips" }, tasks.map(([{ id, name }]) => h("li", {}, h("a", { href: link(id) }, name.replace(/^[^/]*\//, "")))));
-    const rest = lacking.filter((task) => !isOld(task));
+    const isOld = ([shown]) => !shown.name.includes("/") && all.some(([other]) => other.name.includes("/"));
+    const list = h("ul", { class: "tiles" }, all.filter((card) => !card[0].missing && !isOld(card)).map(tile));
+    const chips = (cards) => h("ul", { class: "chips" }, cards.map(([{ id, name }]) => h("li", {}, h("a", { href: link(id) }, name.replace(/^[^/]*\//, "")))));
+    const rest = lacking.filter((card) => !isOld(card));
     const old = all.filter(isOld);
     const folded = [
       rest.length ? h("p", { class: "quiet" }, `These need ${rest[0][0].missing}, which you give on their page.`) : null,

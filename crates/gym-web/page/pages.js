@@ -10,6 +10,9 @@ export async function page(id) {
   return null;
 }
 
+// Returns the title of a page.
+export const titleOf = (text) => /^# (.+)$/m.exec(text)?.[1] ?? "";
+
 // Returns the text under the second-level heading `title`.
 export function section(text, title) {
   const [, after = ""] = text.split(`\n## ${title}\n`);

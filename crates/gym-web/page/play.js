@@ -4,7 +4,7 @@ import { wishes } from "./address.js";
 import { argumentsForm } from "./arguments.js";
 import { h } from "./dom.js";
 import { paint } from "./engine.js";
-import { families, link, words } from "./gallery.js";
+import { cardOf, choice, link, words } from "./gallery.js";
 import { POLICIES, makeHands, makePlayers } from "./hands.js";
 import { actions as namedActions, markdown, page, section } from "./pages.js";
 import { makeReturns } from "./returns.js";
@@ -17,7 +17,7 @@ import { makeTransport } from "./transport.js";
 export async function play(main, engine, environments, id, parameters, refresh) {
   const environment = environments.find((environment) => environment.id === id);
   if (!environment) throw new Error(`There is no environment “${id}” here.`);
-  const heading = head(environment, families(environments).get(environment.family).get(environment.name));
+  const heading = head(environment, cardOf(environments, environment));
   if (environment.missing) return needs(main, engine, environment, heading, refresh);
 
   const [argumentList, book] = await Promise.all([engine.request({ do: "arguments", id }), page(id)]);
@@ -151,15 +151,11 @@ function lay(main, heading, game, argumentCard, aboutCard) {
     h("div", { class: "play-more" }, argumentCard, sharing.cards, card("Spaces", game.spaces), aboutCard));
 }
 
-// Returns the heading: name, versions and task.
-function head(environment, versions) {
-  const { id, name, version, description } = environment;
-  const versionMenu = () => {
-    const menu = h("select", { class: "version", "aria-label": "Version" }, versions.map((other) => h("option", { value: other.id, selected: other.id === id }, `v${other.version}`)));
-    menu.addEventListener("change", () => (location.hash = link(menu.value)));
-    return menu;
-  };
-  const shown = versions.length > 1 ? versionMenu() : version === null ? null : h("span", { class: "version" }, `v${version}`);
+// Returns the heading: name, the menu of the card's environments, and task.
+function head(environment, card) {
+  const { name, version, description } = environment;
+  const menu = () => choice(card, environment, ({ id }) => (location.hash = link(id)));
+  const shown = card.length > 1 ? menu() : version === null ? null : h("span", { class: "version" }, `v${version}`);
   return h("div", { class: "play-head" }, h("div", {}, h("h1", {}, words(name), " ", shown), h("p", {}, description)));
 }
 

@@ -2,23 +2,40 @@
 
 use gym::arguments::Argument;
 use gym::registry::EnvId;
-use gym::{Array, Registration, Result, Space, Value};
+use gym::{Array, Registration, Result, Space, Value, registry};
 use serde_json::{Value as Json, json};
 
 /// Of larger bounds and observations only the shape is sent.
 const MOST_NUMBERS: usize = 512;
 
-/// Describes an environment for the list.
-pub(crate) fn entry(registration: &Registration) -> Json {
+/// Describes every environment, in the order of the gallery: family by family, page by page.
+pub(crate) fn list() -> Json {
+    let mut entries = Vec::new();
+    for (family, registrations) in registry::by_family(registry::all()) {
+        for (page, group) in registry::by_page(registrations).iter().enumerate() {
+            let shown = registry::shown(group).map(Registration::id);
+            for registration in group {
+                let mut entry = entry(registration);
+                entry["family"] = json!(family.name);
+                // the family's cards by number, and the environment that a card shows first
+                entry["card"] = json!(page);
+                entry["shown"] = json!(shown == Some(registration.id()));
+                entries.push(entry);
+            }
+        }
+    }
+    entries.into()
+}
+
+fn entry(registration: &Registration) -> Json {
     let id: Option<EnvId> = registration.id().parse().ok();
     json!({
         "id": registration.id(),
         "name": id.as_ref().map(EnvId::unversioned),
         "version": id.and_then(|id| id.version),
-        "family": family(registration.source.package),
         "description": registration.description,
         "missing": missing(registration),
-        "policy": registration.policy.map(|policy| policy.description),
+        "policy": registration.page.policy.map(|policy| policy.description),
     })
 }
 
@@ -27,18 +44,6 @@ fn missing(registration: &Registration) -> Option<&'static str> {
     let need = registration.needs?;
     let is_there = need.is_met() && gym::make(registration.id()).is_ok();
     (!is_there).then_some(need.what)
-}
-
-/// Returns the heading of a crate's environments.
-fn family(crate_name: &str) -> &str {
-    match crate_name {
-        "gym-classic" => "Classic control",
-        "gym-toytext" => "Toy text",
-        "gym-box2d" => "Box2D",
-        "gym-mujoco" => "MuJoCo",
-        "gym-atari" => "Atari",
-        other => other,
-    }
 }
 
 /// Describes the arguments of an environment with their values under this id.

@@ -103,7 +103,7 @@ impl Player {
     /// Describes the keys with their actions, and what happens while no key is down: `"wait"`,
     /// `"repeat"` or `{"action": ...}`.
     fn keys(&self) -> Option<Json> {
-        let Keys { actions, idle } = (registry::find(&self.id).ok()?.keys?)(&self.env);
+        let Keys { actions, idle } = (registry::find(&self.id).ok()?.page.keys?)(&self.env);
         let idle = match idle {
             Idle::Wait => json!("wait"),
             Idle::Repeat => json!("repeat"),
@@ -168,7 +168,7 @@ impl Player {
         let mut controller = match self.controller.take() {
             Some(controller) => controller,
             None => {
-                let policy = registry::find(&self.id)?.policy.ok_or_else(missing)?;
+                let policy = registry::find(&self.id)?.page.policy.ok_or_else(missing)?;
                 policy.controller(&self.env)?.ok_or_else(missing)?
             }
         };

@@ -22,7 +22,7 @@ pub struct Session {
 #[derive(Deserialize)]
 #[serde(tag = "do", rename_all = "snake_case", deny_unknown_fields)]
 enum Request {
-    /// Lists all environments.
+    /// Lists all environments, in the order of the gallery.
     List,
     /// Lists the arguments of an environment.
     Arguments { id: String },
@@ -134,7 +134,7 @@ impl Session {
 
     fn answer(&mut self, request: Request, bytes: &[u8], attachment: &mut Vec<u8>) -> Result<Json> {
         Ok(match request {
-            Request::List => registry::all().iter().map(describe::entry).collect(),
+            Request::List => describe::list(),
             Request::Arguments { id } => describe::arguments(&registry::find(&id)?)?,
             Request::Make {
                 env,

@@ -24,7 +24,6 @@ macro_rules! ids {
         gym_core::register!(
             gym_core::Registration::new::<crate::env::AtariEnv>($id)
                 .description("Play a game of the Atari 2600, from its picture or its RAM.")
-                .needs("ROMs", crate::rom::available)
                 .keys(crate::env::keys::keys)
                 .kwargs(concat!(
                     r#"{"game": ""#, $name, r#"", "max_num_frames_per_episode": 108000, "#, $kwargs, "}"

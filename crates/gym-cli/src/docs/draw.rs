@@ -12,7 +12,7 @@ use crate::policy::Policy;
 
 /// Returns the GIF of a page, if a registration has a clip.
 pub(super) fn gif(page: &Page) -> Result<Option<Document>> {
-    let Some(clip) = &page.shown().clip else {
+    let Some(clip) = &page.shown().page.clip else {
         return Ok(None);
     };
     let Clip {

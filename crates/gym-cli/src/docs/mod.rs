@@ -31,6 +31,9 @@ pub type Document = (PathBuf, Vec<u8>);
 /// The book that contains the pages on the environments, if a workspace has a book.
 #[derive(Clone, Copy, Debug)]
 pub struct Book {
+    /// Returns the book's table of contents, given the folder of the workspace and the entries of
+    /// the families, as a Markdown list.
+    pub contents: fn(&Path, &str) -> Result<Document>,
     /// The text below the list of environments.
     pub below_list: &'static str,
     /// The text on differences from Gymnasium of a page whose module has no such text.
@@ -53,8 +56,8 @@ pub(crate) fn docs(
     } else {
         returns::read(folder)?
     };
-    let pages = page::all(workspace)?;
-    let mut documents = page::documents(&pages, &returns, book)?;
+    let sections = page::all(workspace)?;
+    let mut documents = page::documents(&sections, &returns, folder, book)?;
     if !returns.is_empty() {
         documents.push(returns::document(&returns)?);
     }
@@ -62,7 +65,7 @@ pub(crate) fn docs(
         documents.extend((book.documents)(folder, arguments.draw)?);
     }
     if arguments.draw {
-        for page in &pages {
+        for page in sections.iter().flat_map(|section| &section.pages) {
             documents.extend(draw::gif(page)?);
         }
     }

@@ -3,8 +3,9 @@
 
 use std::path::{Path, PathBuf};
 
+use gym::registry::Family;
 use gym::render::RenderMode;
-use gym::{Env, Error, Registration, Result};
+use gym::{Env, Error, Registration, Result, registry};
 use serde_json::Value as Json;
 
 use super::returns::{EPISODES, Measured, Returns, Summary};
@@ -19,42 +20,68 @@ pub(super) struct Page {
     docs: Docs,
 }
 
-/// Returns every page of a workspace, crate by crate.
+/// The pages of a family.
+pub(super) struct Section {
+    family: Family,
+    /// The environments that have no page, because they have an external requirement.
+    needy: Vec<Registration>,
+    pub(super) pages: Vec<Page>,
+}
+
+/// Returns the families of a workspace with their pages, in the order of the registry.
 ///
 /// # Errors
 /// If the documentation of a module lacks a part of its page.
-pub(super) fn all(workspace: &Workspace) -> Result<Vec<Page>> {
-    let mut registrations = workspace::without_needy(workspace.own()?);
-    registrations.sort_by_key(|entry| entry.source.module);
-    let modules = registrations.chunk_by(|a, b| a.source.module == b.source.module);
-    let pages = modules.map(|registrations| Page::read(registrations, workspace.folder()));
-    let mut pages = pages.collect::<Result<Vec<_>>>()?;
+pub(super) fn all(workspace: &Workspace) -> Result<Vec<Section>> {
+    let own = workspace.own()?;
+    workspace::tell_needy(&own);
+    let sections = registry::by_family(own).into_iter();
+    let sections = sections.map(|(family, registrations)| {
+        let (needy, others): (Vec<_>, Vec<_>) = registrations
+            .into_iter()
+            .partition(|registration| registration.needs.is_some());
+        let pages = registry::by_page(others).into_iter();
+        let pages = pages.map(|registrations| Page::read(registrations, workspace.folder()));
+        Ok(Section {
+            family,
+            needy,
+            pages: pages.collect::<Result<_>>()?,
+        })
+    });
+    let mut sections = sections.collect::<Result<Vec<_>>>()?;
     // if two modules have the same name, the page whose ids have a namespace gets the namespace as
     // a prefix
-    let names: Vec<String> = pages.iter().map(|page| page.name.clone()).collect();
-    for page in &mut pages {
+    let pages = || sections.iter().flat_map(|section| &section.pages);
+    let names: Vec<String> = pages().map(|page| page.name.clone()).collect();
+    for page in sections.iter_mut().flat_map(|section| &mut section.pages) {
         let twice = names.iter().filter(|name| **name == page.name).count() > 1;
         if let Some((namespace, _)) = page.registrations[0].id().split_once('/').filter(|_| twice) {
             page.name = format!("{}-{}", namespace.replace('_', "-"), page.name);
         }
     }
-    Ok(pages)
+    Ok(sections)
 }
 
-/// Returns the texts of the pages, and the page that lists the pages.
+/// Returns the texts of the pages, the page that lists the pages and, for a book, its table of
+/// contents.
 pub(super) fn documents(
-    pages: &[Page],
+    sections: &[Section],
     returns: &Returns,
+    folder: &Path,
     book: Option<&Book>,
 ) -> Result<Vec<Document>> {
     let mut list = LIST_HEAD.to_owned();
-    list.extend(pages.iter().map(Page::row));
+    list.extend(sections.iter().map(Section::list));
     list += book.map_or("", |book| book.below_list);
-    let folder = PathBuf::from("docs/environments");
-    let mut documents = vec![(folder.join("README.md"), list.into_bytes())];
-    for page in pages {
+    let environments = PathBuf::from("docs/environments");
+    let mut documents = vec![(environments.join("README.md"), list.into_bytes())];
+    if let Some(book) = book {
+        let contents: String = sections.iter().map(Section::contents).collect();
+        documents.push((book.contents)(folder, contents.trim_end())?);
+    }
+    for page in sections.iter().flat_map(|section| &section.pages) {
         documents.push((
-            folder.join(format!("{}.md", page.name)),
+            environments.join(format!("{}.md", page.name)),
             page.text(returns, book)?.into_bytes(),
         ));
     }
@@ -66,10 +93,45 @@ const LIST_HEAD: &str = "<!-- Written by `cargo xtask docs`. -->
 # Environments
 
 Each page has the spaces, rewards, starts and ends of an environment, its arguments, and the returns of a random and a good policy.
-
-| | environment | ids |
-|---|---|---|
 ";
+
+impl Section {
+    /// Returns the family's part of the list of pages.
+    fn list(&self) -> String {
+        let Self {
+            family: Family { name, page, .. },
+            needy,
+            pages,
+        } = self;
+        let heading = match page {
+            Some(page) => format!("[{name}](../{page})"),
+            None => (*name).to_owned(),
+        };
+        let mut text = format!("\n## {heading}\n\n");
+        if let Some(need) = needy.first().and_then(|first| first.needs) {
+            let ids = match &needy[..] {
+                [one] => format!("`{}` needs", one.id()),
+                all => format!("{} ids, which need", all.len()),
+            };
+            text += &format!("{ids} {}.\n", need.what);
+        }
+        if !pages.is_empty() {
+            text += "| | environment | ids |\n|---|---|---|\n";
+            text.extend(pages.iter().map(Page::row));
+        }
+        text
+    }
+
+    /// Returns the family's part of the book's table of contents.
+    fn contents(&self) -> String {
+        let page = self.family.page.unwrap_or_default();
+        let mut text = format!("- [{}]({page})\n", self.family.name);
+        for Page { name, docs, .. } in &self.pages {
+            text += &format!("  - [{}](environments/{name}.md)\n", docs.title);
+        }
+        text
+    }
+}
 
 /// The documentation of an environment's module, in its parts.
 struct Docs {
@@ -157,16 +219,18 @@ fn capitalised(text: &str) -> String {
 }
 
 impl Page {
-    fn read(registrations: &[Registration], folder: &Path) -> Result<Self> {
+    fn read(registrations: Vec<Registration>, folder: &Path) -> Result<Self> {
         let source = registrations[0].source;
         let module = source.module.rsplit("::").next().unwrap_or_default();
-        let actions = registrations.iter().any(|entry| !entry.actions.is_empty());
+        let actions = registrations
+            .iter()
+            .any(|entry| !entry.page.actions.is_empty());
         let path = folder.join(source.file);
         let text = std::fs::read_to_string(&path).map_err(|error| Error::io(&path, error))?;
         Ok(Self {
             name: module.replace('_', "-"),
-            registrations: registrations.to_vec(),
             docs: Docs::parse(&text, source.file, actions)?,
+            registrations,
         })
     }
 
@@ -174,7 +238,7 @@ impl Page {
     pub(super) fn shown(&self) -> &Registration {
         self.registrations
             .iter()
-            .find(|entry| entry.clip.is_some())
+            .find(|entry| entry.page.clip.is_some())
             .unwrap_or(&self.registrations[0])
     }
 
@@ -182,6 +246,7 @@ impl Page {
     fn image(&self, text: &str) -> String {
         let image = self
             .shown()
+            .page
             .clip
             .as_ref()
             .map(|_| format!("![{text}](images/{}.gif)", self.name));
@@ -229,8 +294,11 @@ impl Page {
         if let Some(observation) = &docs.observation {
             section("Observation", observation);
         }
-        if let Some(entry) = registrations.iter().find(|entry| !entry.actions.is_empty()) {
-            section("Actions", &actions(entry.actions));
+        if let Some(entry) = registrations
+            .iter()
+            .find(|entry| !entry.page.actions.is_empty())
+        {
+            section("Actions", &actions(entry.page.actions));
         }
         section("Ids", &ids(registrations)?);
         section("Spaces", &spaces(registrations)?);
@@ -257,7 +325,7 @@ impl Page {
 
     fn returns(&self, returns: &Returns) -> String {
         let shown = self.shown();
-        let good = shown.policy.map_or_else(String::new, |policy| {
+        let good = shown.page.policy.map_or_else(String::new, |policy| {
             let (description, id) = (policy.description, shown.id());
             format!(
                 " The good policy {description}. To play it: `cargo xtask run {id} --policy good`."

@@ -9,6 +9,7 @@
 //! with `use my_envs as _;`.
 
 mod builder;
+mod family;
 mod native;
 mod registration;
 mod stack;
@@ -18,8 +19,9 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::sync::{LazyLock, PoisonError, RwLock};
 
 pub use builder::{EnvBuilder, builder, make};
+pub use family::{Family, by_family, by_page, shown};
 pub use native::build;
-pub use registration::{Clip, Exceptions, Need, Registration, Source, VectorEntryPoint};
+pub use registration::{Clip, Exceptions, Need, Page, Registration, Source, VectorEntryPoint};
 pub use vector::{VectorBuilder, make_vec};
 
 pub use crate::env::{Build, Configure, NoArguments};
@@ -47,7 +49,9 @@ static TABLE: LazyLock<RwLock<Table>> = LazyLock::new(|| {
         let mut registration = registration.clone();
         let mut linked = inventory::iter::<LinkedPolicy>.into_iter();
         let linked = linked.find(|linked| linked.id == registration.id());
-        registration.policy = registration.policy.or(linked.map(|linked| linked.policy));
+        let page = &mut registration.page;
+        page.policy = page.policy.or(linked.map(|linked| linked.policy));
+        registration.needs = registration.needs.or(registration.family().needs);
         table.entry(id).or_default().push(registration);
     }
     for duplicates in table.values_mut() {
@@ -228,26 +232,22 @@ fn not_found(table: &Table, id: &EnvId) -> Error {
     }
 }
 
-/// The registry as a table of text: ids in columns, grouped by crate.
+/// The registry as a table of text: ids in columns, grouped by family.
 pub fn pretty(columns: usize) -> String {
-    let mut groups: BTreeMap<&'static str, (Option<&'static str>, Vec<String>)> = BTreeMap::new();
-    for registration in all() {
-        let (requirement, ids) = groups.entry(registration.source.package).or_default();
-        *requirement = registration.needs.map(|need| need.what);
-        ids.push(registration.id.into_owned());
-    }
     let mut text = String::new();
-    for (crate_name, (requirement, ids)) in groups {
-        let title = if crate_name.is_empty() {
-            "registered at run time"
-        } else {
-            crate_name
+    for (family, registrations) in by_family(all()) {
+        let package = match family.package {
+            "" => String::new(),
+            package if package == family.name => String::new(),
+            package => format!(": {package}"),
         };
-        let needs = requirement
-            .map(|what| format!(" (needs {what})"))
-            .unwrap_or_default();
-        text += &format!("===== {title}{needs} =====\n");
-        let width = ids.iter().map(String::len).max().unwrap_or(0);
+        let needs = registrations
+            .iter()
+            .find_map(|registration| registration.needs);
+        let needs = needs.map_or_else(String::new, |need| format!(" (needs {})", need.what));
+        text += &format!("===== {}{package}{needs} =====\n", family.name);
+        let ids: Vec<_> = registrations.iter().map(Registration::id).collect();
+        let width = ids.iter().map(|id| id.len()).max().unwrap_or(0);
         for row in ids.chunks(columns.max(1)) {
             let cells: Vec<_> = row.iter().map(|id| format!("{id:width$}")).collect();
             text += cells.join("  ").trim_end();

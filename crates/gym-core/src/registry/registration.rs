@@ -9,6 +9,7 @@ use std::ops::Range;
 
 use serde_json::Value as Json;
 
+use super::family::Family;
 use super::native::entry_point;
 use super::stack::{Renders, stack};
 use crate::env::{BoxEnv, Build, Configure};
@@ -42,6 +43,10 @@ pub struct Need {
 }
 
 impl Need {
+    pub(super) const fn new(what: &'static str, is_met: fn() -> bool) -> Self {
+        Self { what, is_met }
+    }
+
     /// Whether the requirement is met.
     pub fn is_met(&self) -> bool {
         (self.is_met)()
@@ -61,6 +66,20 @@ pub struct Clip {
     pub size: (u32, u32),
 }
 
+/// What books, galleries and players show of an environment.
+#[derive(Clone, Debug)]
+#[non_exhaustive]
+pub struct Page {
+    /// The content of its GIF.
+    pub clip: Option<Clip>,
+    /// Names and meanings of discrete actions.
+    pub actions: &'static [(&'static str, &'static str)],
+    /// The keys with which a person plays it.
+    pub keys: Option<fn(&BoxEnv) -> Keys>,
+    /// A policy that plays it well.
+    pub policy: Option<Policy>,
+}
+
 /// Checks of the crate gym-conform that an id may fail, each with the reason.
 pub type Exceptions = &'static [(&'static str, &'static str)];
 
@@ -68,7 +87,7 @@ pub type Exceptions = &'static [(&'static str, &'static str)];
 /// [`register!`](crate::register!), or at run time with
 /// [`registry::register`](crate::registry::register).
 ///
-/// Each method sets the field of its name.
+/// Each method sets the field of its name, here or in its [page](Page).
 #[derive(Clone)]
 #[non_exhaustive]
 pub struct Registration {
@@ -86,16 +105,10 @@ pub struct Registration {
     pub needs: Option<Need>,
     /// The constructor of its native vector.
     pub vector_entry_point: Option<VectorEntryPoint>,
-    /// The keys with which a person plays it.
-    pub keys: Option<fn(&BoxEnv) -> Keys>,
-    /// A policy that plays it well.
-    pub policy: Option<Policy>,
     /// Whether a step takes about as long as a call between threads.
     pub light_step: bool,
-    /// Names and meanings of discrete actions.
-    pub actions: &'static [(&'static str, &'static str)],
-    /// The content of the GIF on its page.
-    pub clip: Option<Clip>,
+    /// Its clip, actions, keys and good policy.
+    pub page: Page,
     version: Option<u32>,
     kwargs: &'static str,
     reward_threshold: Option<f64>,
@@ -141,11 +154,13 @@ impl Registration {
             exceptions: &[],
             needs: None,
             vector_entry_point: None,
-            keys: None,
-            policy: None,
             light_step: false,
-            actions: &[],
-            clip: None,
+            page: Page {
+                clip: None,
+                actions: &[],
+                keys: None,
+                policy: None,
+            },
             version: None,
             kwargs: "{}",
             reward_threshold: None,
@@ -230,7 +245,7 @@ impl Registration {
     /// whole registry skip these.
     #[must_use]
     pub const fn needs(mut self, what: &'static str, is_met: fn() -> bool) -> Self {
-        self.needs = Some(Need { what, is_met });
+        self.needs = Some(Need::new(what, is_met));
         self
     }
 
@@ -272,14 +287,14 @@ impl Registration {
     /// the actions of a `Discrete` space.
     #[must_use]
     pub const fn keys(mut self, keys: fn(&BoxEnv) -> Keys) -> Self {
-        self.keys = Some(keys);
+        self.page.keys = Some(keys);
         self
     }
 
     /// A policy that plays it well.
     #[must_use]
     pub const fn policy(mut self, policy: Policy) -> Self {
-        self.policy = Some(policy);
+        self.page.policy = Some(policy);
         self
     }
 
@@ -295,20 +310,32 @@ impl Registration {
     /// [`discrete!`](crate::discrete!).
     #[must_use]
     pub const fn actions(mut self, variants: &'static [(&'static str, &'static str)]) -> Self {
-        self.actions = variants;
+        self.page.actions = variants;
         self
     }
 
     /// The clip in the GIF on its page. Ids registered in one module share the page.
     #[must_use]
     pub const fn clip(mut self, clip: Clip) -> Self {
-        self.clip = Some(clip);
+        self.page.clip = Some(clip);
         self
     }
 
     /// The id.
     pub fn id(&self) -> &str {
         &self.id
+    }
+
+    /// The id without version.
+    pub(super) fn unversioned(&self) -> String {
+        let id = self.id.parse::<EnvId>();
+        id.map_or_else(|_| self.id.to_string(), |id| id.unversioned())
+    }
+
+    /// The family that its crate declares; without a declaration, a family with the name of the
+    /// crate.
+    pub fn family(&self) -> Family {
+        Family::of(self.source.package)
     }
 
     /// The version whose rules apply; the highest number if neither the id nor
@@ -436,5 +463,18 @@ fn construct<E: Build>(registration: &Registration, spec: &EnvSpec) -> Result<Bo
 macro_rules! register {
     ($($registration:expr),+ $(,)?) => {
         $($crate::inventory::submit! { $registration.source(env!("CARGO_PKG_NAME"), module_path!(), file!()) })+
+    };
+}
+
+/// Declares the [family](crate::registry::Family) of the environments that this crate registers.
+///
+/// ```
+/// gym_core::family!(gym_core::registry::Family::new("Grid worlds", 100).page("grid-worlds.md"));
+/// # fn main() {}
+/// ```
+#[macro_export]
+macro_rules! family {
+    ($family:expr) => {
+        $crate::inventory::submit! { $family.package(env!("CARGO_PKG_NAME")) }
     };
 }

@@ -173,7 +173,7 @@ fn a_grid_without_room_is_an_error() {
 fn good_policies_solve_their_tasks() {
     let mut count = 0;
     for registration in registry::all() {
-        let Some(policy) = registration.policy else {
+        let Some(policy) = registration.page.policy else {
             continue;
         };
         let mut env = make(registration.id()).unwrap();

@@ -16,6 +16,7 @@ use gym_cli::{Book, Document};
 
 fn main() -> ExitCode {
     let book = Book {
+        contents: |folder, entries| book::page(folder, CONTENTS, CONTENTS_MARKS, entries),
         below_list: BELOW_LIST,
         no_difference: NO_DIFFERENCE,
         documents,
@@ -37,7 +38,15 @@ fn documents(folder: &Path, draw: bool) -> Result<Vec<Document>> {
     Ok(documents)
 }
 
+const CONTENTS: &str = "docs/SUMMARY.md";
+const CONTENTS_MARKS: book::Marks = [
+    "<!-- families: written by cargo xtask docs -->\n",
+    "<!-- end of families -->\n",
+];
+
 const BELOW_LIST: &str = "
+## Ids
+
 An id is `[namespace/]Name[-vVersion]`. Without a version, `make` takes the newest. Older versions keep their behaviour; `make` then
 logs a warning that names the newer one. Ids in the namespace `rapier/` are the same tasks on another physics engine,
 [rapier2d](https://rapier.rs): similar to Gymnasium's, but not equal.

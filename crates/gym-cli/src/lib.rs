@@ -32,6 +32,7 @@ mod dependency;
 mod docs;
 #[cfg_attr(not(feature = "families"), path = "no_families.rs")]
 mod families;
+mod film;
 mod gif;
 mod inputs;
 mod keys;
@@ -74,8 +75,7 @@ struct Arguments {
 enum Command {
     /// Lists the environments.
     List(list::Arguments),
-    /// Plays random episodes of the newest version of each task; writes GIFs, plots and a table to
-    /// target/demo.
+    /// Plays ten episodes of each task, and shows them on one page: target/demo/index.html.
     Demo(demo::Arguments),
     /// Records one episode as a GIF, animated PNG or MP4.
     Gif(gif::Arguments),

@@ -47,6 +47,12 @@ impl Policy {
             .map_or(Ok(None), |policy| policy.controller(env))
     }
 
+    /// Returns the good policy if the environment has one for its arguments, else the random one.
+    pub(crate) fn best(env: &BoxEnv) -> Result<Self> {
+        let good = Self::good(env)?;
+        Ok(good.map_or(Self::Random, |_| Self::Good))
+    }
+
     /// Returns the controller for an episode with the seed `seed`.
     fn controller(self, env: &BoxEnv, seed: u64) -> Result<Controller> {
         match self {

@@ -54,9 +54,8 @@ impl Workspace {
         Ok(own)
     }
 
-    /// Returns the environments with the ids `ids`. Without ids, returns the environments that this
-    /// workspace registers or, if it registers none, all linked environments. Environments with
-    /// external requirements are then skipped and reported.
+    /// Returns the environments with the ids `ids`. Without ids, returns [all](Self::all);
+    /// environments with external requirements are then skipped and reported.
     ///
     /// # Errors
     /// An id that is not registered; without ids, if nothing is registered.
@@ -64,12 +63,20 @@ impl Workspace {
         if !ids.is_empty() {
             return ids.iter().map(|id| registry::find(id)).collect();
         }
-        let all = match self.own() {
-            Err(error) if registry::all().is_empty() => return Err(error),
-            Err(_) => registry::all(),
-            Ok(own) => own,
-        };
-        Ok(without_needy(all))
+        Ok(without_needy(self.all()?))
+    }
+
+    /// Returns the environments that this workspace registers or, if it registers none, all linked
+    /// environments.
+    ///
+    /// # Errors
+    /// If nothing is registered.
+    pub(crate) fn all(&self) -> Result<Vec<Registration>> {
+        match self.own() {
+            Err(error) if registry::all().is_empty() => Err(error),
+            Err(_) => Ok(registry::all()),
+            Ok(own) => Ok(own),
+        }
     }
 }
 

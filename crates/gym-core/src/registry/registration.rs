@@ -21,9 +21,11 @@ use crate::value::{Error, Result};
 use crate::vector::VectorEnv;
 use crate::vector::lockstep::{self, Lockstep, SlotGroup};
 
-/// Whether native vectors are linked. A module for a browser has none: a page steps one environment,
-/// and everybody who opens the page downloads the module.
-const NATIVE_VECTORS: bool = !cfg!(all(target_arch = "wasm32", target_os = "unknown"));
+/// Whether native vectors are linked. Code that is generic and that nothing names is not compiled.
+/// A module for a browser has none: a page steps one environment, and everybody who opens the page
+/// downloads the module.
+pub(super) const NATIVE_VECTORS: bool =
+    cfg!(feature = "native-vectors") && !cfg!(all(target_arch = "wasm32", target_os = "unknown"));
 
 /// Makes a native vector from its spec.
 ///

@@ -1,5 +1,6 @@
 //! From an id to a vector of environments.
 
+use super::registration::NATIVE_VECTORS;
 use super::{EnvBuilder, builder, find};
 use crate::env::BoxEnv;
 use crate::spec::{Autoreset, Each, EnvSpec, VectorKind, VectorSpec};
@@ -70,7 +71,12 @@ impl VectorSpec {
                     ))
                 };
                 let Some(entry_point) = find(id)?.vector_entry_point else {
-                    return refuse("there is none for this id: use kind sync or async");
+                    let reason = if NATIVE_VECTORS {
+                        "there is none for this id: use kind sync or async"
+                    } else {
+                        "this program was built without the feature `native-vectors`: use kind sync or async"
+                    };
+                    return refuse(reason);
                 };
                 match native_obstacle(&self.env) {
                     Some(reason) => refuse(reason),

@@ -8,8 +8,8 @@
 //!   `list`, `help` and `new` are built without, unless the optimised program exists.
 //! - The first demo is built in two parts: the GIFs of the small families appear while the other
 //!   families are compiled.
-//! - `play` is built with windows, and `conform` with a counting allocator. rapier2d is built only
-//!   for commands that use its ids.
+//! - `play` is built with windows, and `conform` with a counting allocator. Native vectors are built
+//!   only for commands that make vectors, and rapier2d for commands that use its ids.
 //! - `web` builds the gallery for the browser, and is part of this program.
 
 #[path = "../../crates/gym-cli/src/collision.rs"]
@@ -27,6 +27,8 @@ use std::process::{Command, ExitCode};
 const QUICK: [&str; 5] = ["list", "help", "mjcf", "new", "python"];
 /// The commands that measure speed, or play for hours.
 const FASTEST: [&str; 2] = ["bench", "soak"];
+/// The commands that make native vectors.
+const WITH_VECTORS: [&str; 2] = ["bench", "conform"];
 
 fn main() -> ExitCode {
     match run(&env::args_os().skip(1).collect::<Vec<_>>()) {
@@ -85,6 +87,7 @@ fn start(build: &Build, arguments: &[OsString]) -> Result<ExitCode, String> {
     let features = [
         Some(build.families),
         build.rapier.then_some("rapier"),
+        build.native_vectors.then_some("native-vectors"),
         build.feature,
     ];
     let features: Vec<_> = features.into_iter().flatten().collect();
@@ -120,6 +123,8 @@ struct Build {
     /// Whether to build rapier2d, the engine of the ids `rapier/...`, which doubles the time of the
     /// build.
     rapier: bool,
+    /// Whether to build native vectors, which commands that play one environment do without.
+    native_vectors: bool,
 }
 
 impl Build {
@@ -167,6 +172,8 @@ impl Build {
             families: "families",
             is_first_demo,
             rapier,
+            native_vectors: !asks_for_help
+                && command.is_some_and(|command| WITH_VECTORS.contains(&command)),
         }
     }
 }
@@ -222,6 +229,17 @@ mod tests {
         }
         for line in ["list", "demo", "run LunarLander-v3", "conform --help", ""] {
             assert!(!rapier(line), "{line}");
+        }
+    }
+
+    #[test]
+    fn native_vectors_are_built_for_what_makes_them() {
+        let native_vectors = |line: &str| Build::of(&arguments(line)).native_vectors;
+        for line in ["bench CartPole-v1", "conform"] {
+            assert!(native_vectors(line), "{line}");
+        }
+        for line in ["demo", "play CartPole-v1", "gif Taxi-v4", "conform --help"] {
+            assert!(!native_vectors(line), "{line}");
         }
     }
 

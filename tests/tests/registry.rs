@@ -123,13 +123,13 @@ fn gymnasiums_own_spec_is_understood() {
 }
 
 #[test]
-fn the_listing_groups_by_crate() {
+fn the_listing_groups_by_family() {
     let text = registry::pretty(3);
     let (classic, rest) = text
-        .split_once("===== gym-toytext =====")
-        .expect("a group per crate");
+        .split_once("===== Toy text: gym-toytext =====")
+        .expect("a group per family");
     assert!(
-        classic.contains("===== gym-classic =====\nAcrobot-v1"),
+        classic.contains("===== Classic control: gym-classic =====\nAcrobot-v1"),
         "{text}"
     );
     assert!(rest.contains("Taxi-v4"), "{text}");

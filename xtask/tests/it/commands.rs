@@ -59,63 +59,97 @@ fn help_knows_every_command() {
     }
 }
 
+/// Returns the ids of the table that the demo prints.
+fn played(table: &str) -> Vec<&str> {
+    let rows = table.lines().filter(|line| line.contains(" return "));
+    rows.map(first_word).collect()
+}
+
+/// One page shows a moving picture, the spaces, the results and a command for each task, family by
+/// family.
 #[test]
 fn demo() {
     let out = folder("demo");
-    let output = xtask(&[
-        "demo",
-        "--episodes",
-        "2",
-        "--max-frames",
-        "4",
-        "--out",
-        out.to_str().unwrap(),
-    ]);
-    let [table, said] =
-        [output.stdout, output.stderr].map(|text| String::from_utf8(text).expect("text"));
-    assert!(output.status.success(), "{said}");
-    let ids: Vec<_> = table
-        .lines()
-        .filter(|line| line.contains(" return "))
-        .map(first_word)
-        .collect();
-    assert!(
-        ids.is_sorted() && ids.len() > 20,
-        "one row for each, in the order of the registry: {ids:?}"
-    );
-    for old in [
-        "CartPole-v0",
-        "CliffWalking-v0",
-        "Ant-v4",
-        "rapier/LunarLander-v3",
-    ] {
-        assert!(!ids.contains(&old), "{old} is asked for by --all");
+    let mut program = program();
+    program.args(["demo", "--episodes", "3", "--max-frames", "8"]);
+    program.args(["--out".as_ref(), out.as_os_str()]);
+    let output = program
+        .env("ALE_ROMS_DIR", folder("no-roms"))
+        .output()
+        .unwrap();
+    let table = super::said(&output, &["demo"]);
+    let ids = played(&table);
+    assert!((60..75).contains(&ids.len()), "one for each page: {ids:?}");
+    let place = |id: &str| ids.iter().position(|other| *other == id).expect(id);
+    let in_order = [
+        "Acrobot-v1",
+        "CartPole-v1",
+        "FrozenLake-v1",
+        "LunarLander-v3",
+        "Ant-v5",
+        "BabyAI-GoToDoor-v0",
+        "dm_control/acrobot-swingup-v0",
+    ];
+    let first_of_family: Vec<_> = in_order.map(place).into();
+    assert!(first_of_family.is_sorted(), "{ids:?}");
+    for other in ["CartPole-v0", "Ant-v4", "rapier/LunarLander-v3"] {
+        assert!(!ids.contains(&other), "{other} is played by --all");
     }
-    // environments with external requirements are skipped; one line per crate names them
-    assert_eq!(
-        said.matches("ids of gym-atari: they need ROMs").count(),
-        1,
-        "{said}"
+
+    let files: Vec<_> = std::fs::read_dir(&out).unwrap().collect();
+    assert_eq!(files.len(), 1, "{files:?}");
+    let page = std::fs::read_to_string(out.join("index.html")).unwrap();
+    assert!(page.ends_with("</html>\n") && !page.contains("so far"));
+    assert!(
+        !page.contains("http") && !page.contains("src=\"i"),
+        "it needs no other file"
     );
+    assert_eq!(page.matches("<article>").count(), ids.len());
     assert_eq!(
-        said.matches("left out GymV26Environment-v0: it needs")
-            .count(),
-        1,
-        "{said}"
+        page.matches("src=\"data:image/gif;base64,").count(),
+        ids.len()
     );
-    for id in ["CartPole-v1", "Taxi-v4", "CliffWalking-v1", "Blackjack-v1"] {
-        assert!(
-            table.contains(&format!("{id}.gif\n")),
-            "each GIF is named as it appears: {table}"
+    for heading in ["Classic control", "Toy text", "Box2D", "MuJoCo", "Atari"] {
+        assert!(page.contains(&format!("<h2>{heading}</h2>")), "{heading}");
+    }
+    let card = |id: &str| {
+        let (_, card) = page.split_once(&format!("<h3>{id}</h3>")).expect(id);
+        card.split("</article>").next().unwrap_or_default()
+    };
+    for (id, words) in [
+        (
+            "CartPole-v1",
+            "cargo xtask run CartPole-v1 --policy good --seeds 0..3",
+        ),
+        ("CartPole-v1", "Discrete(2)"),
+        ("CartPole-v1", "return <b>500.00</b>"),
+        ("CartPole-v1", "length <b>500.00</b>"),
+        ("Taxi-v4", "cargo xtask play Taxi-v4"),
+        ("CarRacing-v3", "Box(0, 255, (96, 96, 3), uint8)"),
+    ] {
+        assert!(card(id).contains(words), "{id}: {}", card(id));
+    }
+    // what was left out, and what to do
+    for text in [&table, &page] {
+        assert!(text.contains("pip install ale-py"), "{table}");
+        assert!(text.contains("env_id"), "{table}");
+    }
+    // the command of a card repeats its numbers
+    for id in ["Pendulum-v1", "Taxi-v4", "BipedalWalker-v3", "Hopper-v5"] {
+        let (_, command) = card(id).split_once("<code>cargo xtask run ").expect(id);
+        let mut arguments = vec!["run"];
+        arguments.extend(
+            command
+                .split('<')
+                .next()
+                .unwrap_or_default()
+                .split_whitespace(),
         );
-        for extension in ["gif", "svg", "png"] {
-            let file = out.join(format!("{id}.{extension}"));
-            assert!(
-                std::fs::metadata(&file).is_ok_and(|file| file.len() > 500),
-                "{}",
-                file.display()
-            );
-        }
+        let again = prints(&arguments);
+        let row = table.lines().find(|line| first_word(line) == id);
+        let [one, other] = [row, again.lines().last()]
+            .map(|line| line.and_then(|line| line.split_once("return")).expect(id).1);
+        assert_eq!(one, other, "{arguments:?}");
     }
 }
 

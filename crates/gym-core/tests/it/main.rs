@@ -1,6 +1,7 @@
 //! Tests through the public interface.
 
 mod edges;
+mod families;
 mod groups;
 mod lockstep;
 mod rare;

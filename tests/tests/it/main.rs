@@ -12,6 +12,7 @@ mod native;
 mod notebook;
 mod parity;
 mod parity_box2d;
+mod places;
 mod properties;
 mod sizes;
 mod stack;

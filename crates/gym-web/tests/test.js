@@ -146,6 +146,36 @@ await test("the gallery shows tiles that move", async () => {
   await until(() => tile().some((byte, at) => byte !== before[at]), "a movement");
 });
 
+await test("families come in their order, and a card has the environments of a page", async () => {
+  const all = (selector, within = frame.contentDocument) => [...within.querySelectorAll(selector)];
+  const headings = all(".family h2").map((heading) => heading.textContent);
+  const expected = [...new Set(environments.map(({ family }) => family))];
+  check(headings.join() === expected.join(), `${headings} for ${expected}`);
+  const there = environments.filter(({ missing }) => !missing);
+  const cards = new Set(there.map(({ family, card }) => `${family} ${card}`));
+  // (a card of old names may be folded)
+  const tiles = all(".tile");
+  check(tiles.length <= cards.size && tiles.length > 0, `${tiles.length} tiles for ${cards.size} cards`);
+  const shown = tiles.flatMap((tile) => {
+    const choices = all("option", tile).map((option) => option.value);
+    return choices.length ? choices : [decodeURIComponent(tile.querySelector("a").hash.slice(2))];
+  });
+  const lost = there.filter(({ id, family }) => !shown.includes(id) && family !== "Atari");
+  check(lost.length === 0, `${lost.map(({ id }) => id)} on no tile`);
+  return `${there.length} environments on ${tiles.length} tiles`;
+});
+
+await testOf("CartPole-v1", "a choice shows another environment of a card", async () => {
+  const tile = [...frame.contentDocument.querySelectorAll(".tile")].find((tile) => tile.querySelector("option[value='CartPole-v1']"));
+  const menu = tile.querySelector("select");
+  check(menu.value === "CartPole-v1", `${menu.value} is shown first`);
+  menu.value = "CartPole-v0";
+  menu.dispatchEvent(new Event("change"));
+  check(tile.querySelector("a").hash === "#/CartPole-v0", tile.querySelector("a").hash);
+  const before = shown(tile.querySelector("canvas"));
+  await until(() => shown(tile.querySelector("canvas")).some((byte, at) => byte !== before[at]), "a picture of the other");
+});
+
 await testOf("FrozenLake-v1", "the search finds by name", async () => {
   const search = find("input[type=search]");
   search.value = "lake";

@@ -31,9 +31,10 @@ use serde::{Deserialize, Serialize};
 use serde_json::Value as Json;
 
 use crate::art::{self, Facing};
+use crate::distribution::Distribution;
 use crate::grid;
 use crate::planning;
-use crate::tabular::{Cell, Distribution, Outcome, Table, WHOLE_AT_RESET};
+use crate::tabular::{Cell, Outcome, Table, WHOLE_AT_RESET};
 
 /// The environment.
 pub type CliffWalking = Stateful<CliffWalkingDynamics>;

@@ -16,26 +16,31 @@
 //!
 //! Source: Gymnasium 1.4.0, `envs/toy_text/frozen_lake.py`.
 
+mod draw;
+mod map;
+
 use std::sync::Arc;
 
-use gym_core::canvas::{Canvas, Color, Point, Transform};
+use gym_core::canvas::Canvas;
 use gym_core::keys::json;
 use gym_core::math::Real;
 use gym_core::registry::Clip;
 use gym_core::render::Metadata;
 use gym_core::rng::{Stream, WordStream};
 use gym_core::{
-    Dynamics, Error, Generator, Keys, Policy, Registration, Reset, Result, Space, Stateful, Task,
+    Dynamics, Generator, Keys, Policy, Registration, Reset, Result, Space, Stateful, Task,
     Transition, Value,
 };
 use gym_native::{Many, Native};
 use serde::{Deserialize, Serialize};
 use serde_json::Value as Json;
 
-use crate::art::{self, Facing};
+use crate::distribution::Distribution;
 use crate::grid;
 use crate::planning;
-use crate::tabular::{Cell, Distribution, MAX_STATES, Outcome, Table, WHOLE_AT_RESET};
+use crate::tabular::{Cell, MAX_STATES, Outcome, Table, WHOLE_AT_RESET};
+pub use map::generate_random_map;
+use map::{check_map, invalid, named_map};
 
 /// The environment.
 pub type FrozenLake = Stateful<FrozenLakeDynamics>;
@@ -59,18 +64,6 @@ gym_core::arguments! {
         pub reward_schedule: [f64; 3] = [1.0, 0.0, 0.0],
     }
 }
-
-/// The maps of Gymnasium's `MAPS`.
-const MAPS: [(&str, &[&str]); 2] = [
-    ("4x4", &["SFFF", "FHFH", "FFFH", "HFFG"]),
-    (
-        "8x8",
-        &[
-            "SFFFFFFF", "FFFFFFFF", "FFFHFFFF", "FFFFFHFF", "FFFHFFFF", "FHHFFFHF", "FHFFHFHF",
-            "FFFHFFFG",
-        ],
-    ),
-];
 
 gym_core::discrete! {
     /// The direction of a move.
@@ -303,36 +296,7 @@ impl Task for FrozenLakeDynamics {
     }
 
     fn draw(&self, state: &State, canvas: &mut dyn Canvas) {
-        let (nrow, ncol) = self.shape();
-        let (width, height) = self.metadata().render_size;
-        let [w, h] = [
-            f64::from(width) / ncol as f64,
-            f64::from(height) / nrow as f64,
-        ];
-        let scale = w.min(h) / 64.0;
-        canvas.clear(SHADE);
-        for (cell, letter) in self.desc.iter().flat_map(|row| row.bytes()).enumerate() {
-            let (row, col) = (cell / ncol, cell % ncol);
-            let corner = [w * col as f64, h * row as f64];
-            canvas.rect(
-                [corner[0] + scale, corner[1] + scale],
-                [w - 2.0 * scale, h - 2.0 * scale],
-                ICE,
-            );
-            // from here on, the cell's centre is the origin, and its shorter side is 64
-            let center = Transform::translate(corner[0] + w / 2.0, corner[1] + h / 2.0);
-            canvas.push(center.then(Transform::scale(scale, scale)));
-            match letter {
-                b'S' => snow(canvas),
-                b'G' => art::flag(canvas, [-20.0, 26.0], FLAG),
-                b'H' => hole(canvas),
-                _ => scratches(canvas, 3 * row + 5 * col),
-            }
-            if cell == state.cell {
-                agent(canvas, state.last_action, letter);
-            }
-            canvas.pop();
-        }
+        self.draw_lake(state, canvas);
     }
 }
 
@@ -352,175 +316,6 @@ impl Dynamics for FrozenLakeDynamics {
     fn observe(&self, state: &State) -> usize {
         state.cell
     }
-}
-
-const ICE: Color = Color::rgb(206, 230, 246);
-const SHADE: Color = Color::rgb(168, 204, 230);
-const WATER: Color = Color::rgb(44, 92, 148);
-const DEEP: Color = Color::rgb(30, 66, 114);
-const COAT: Color = Color::rgb(214, 62, 62);
-const FLAG: Color = Color::rgb(44, 150, 92);
-
-/// Draws a drift of snow with footprints.
-fn snow(canvas: &mut dyn Canvas) {
-    canvas.round_rect([-29.0, -26.0], [58.0, 55.0], 14.0, SHADE);
-    canvas.round_rect([-29.0, -29.0], [58.0, 55.0], 14.0, Color::WHITE);
-    for [x, y] in [[-22.0, -20.0], [14.0, -22.0], [18.0, 6.0], [-23.0, 12.0]] {
-        canvas.rect([x, y], [6.0, 2.0], SHADE);
-    }
-}
-
-/// Draws the marks of skates, on some cells.
-fn scratches(canvas: &mut dyn Canvas, pattern: usize) {
-    let lines: &[[Point; 2]] = match pattern % 7 {
-        0 => &[[[-22.0, 10.0], [-8.0, -4.0]], [[-14.0, 12.0], [-4.0, 2.0]]],
-        2 => &[[[4.0, -20.0], [20.0, -8.0]], [[12.0, -22.0], [22.0, -14.0]]],
-        5 => &[[[6.0, 22.0], [22.0, 6.0]]],
-        _ => &[],
-    };
-    for [from, to] in lines {
-        canvas.line(*from, *to, 2.0, Color::WHITE);
-    }
-}
-
-/// Draws a hole: the far edge of the ice, the water, and its depth.
-fn hole(canvas: &mut dyn Canvas) {
-    canvas.round_rect([-28.0, -28.0], [56.0, 56.0], 22.0, SHADE);
-    canvas.round_rect([-28.0, -20.0], [56.0, 48.0], 22.0, WATER);
-    canvas.round_rect([-22.0, -8.0], [44.0, 31.0], 15.0, DEEP);
-}
-
-/// Draws the agent, which looks in the direction of the last move: next to the flag; in a hole, up
-/// to the neck in water.
-fn agent(canvas: &mut dyn Canvas, last_action: Option<Action>, letter: u8) {
-    let facing = match last_action {
-        Some(Action::Left) => Facing::Left,
-        Some(Action::Right) => Facing::Right,
-        Some(Action::Up) => Facing::Up,
-        Some(Action::Down) | None => Facing::Down,
-    };
-    match letter {
-        b'H' => {
-            for side in [-1.0, 1.0] {
-                canvas.line([8.0 * side, 6.0], [17.0 * side, -12.0], 5.5, COAT);
-            }
-            art::person(canvas, [0.0, 22.0], Facing::Down, COAT);
-            canvas.round_rect([-22.0, 5.0], [44.0, 18.0], 8.0, DEEP);
-            canvas.round_rect([-20.0, 4.0], [40.0, 3.0], 1.5, SHADE);
-        }
-        b'G' => art::person(canvas, [12.0, 27.0], facing, COAT),
-        _ => art::person(canvas, [0.0, 25.0], facing, COAT),
-    }
-}
-
-fn invalid(reason: String) -> Error {
-    Error::argument(FrozenLakeDynamics::NAME, reason)
-}
-
-fn named_map(name: &str) -> Result<Vec<String>> {
-    let rows = MAPS
-        .iter()
-        .find_map(|(known, rows)| (*known == name).then_some(*rows))
-        .ok_or_else(|| {
-            let names = MAPS.map(|(name, _)| name).join(", ");
-            invalid(format!(
-                "unknown map_name `{name}`: the maps are {names}; others can be given as `desc`"
-            ))
-        })?;
-    Ok(rows.iter().map(|row| (*row).to_owned()).collect())
-}
-
-fn check_map(desc: &[String]) -> Result<()> {
-    let Some(ncol) = desc.first().map(String::len).filter(|ncol| *ncol > 0) else {
-        return Err(invalid(
-            "desc is empty: give a string for each row, as [\"SFFF\", \"FHFG\"]".to_owned(),
-        ));
-    };
-    if let Some(letter) = desc
-        .concat()
-        .chars()
-        .find(|letter| !"SFHG".contains(*letter))
-    {
-        return Err(invalid(format!(
-            "desc has the letter {letter:?}: use S (start), F (frozen), H (hole) and G (goal)"
-        )));
-    }
-    if let Some(row) = desc.iter().find(|row| row.len() != ncol) {
-        return Err(invalid(format!(
-            "desc has rows of different length: `{}` and `{row}`; make all equally long",
-            desc[0]
-        )));
-    }
-    if !desc.iter().any(|row| row.contains('S')) {
-        return Err(invalid("desc has no start: mark a cell with S".to_owned()));
-    }
-    Ok(())
-}
-
-/// The most cells that [`generate_random_map`] draws, which takes less than a second.
-const MAX_DRAWS: usize = 100_000_000;
-
-/// Returns a random square map with a path from the start, top left, to the goal, bottom right. Any
-/// other cell is frozen with probability `p`, otherwise a hole. A seed gives the same map as
-/// Gymnasium's function of this name; `None` uses a seed from the operating system.
-///
-/// # Errors
-/// [`Error::InvalidArgument`] for a `size` below 2, for a `p` that is not in `(0, 1]`, and if no
-/// drawn map has a path because `p` is small or `size` is large.
-pub fn generate_random_map(size: usize, p: f64, seed: Option<u64>) -> Result<Vec<String>> {
-    let invalid = |reason: String| Error::argument("generate_random_map", reason);
-    if size < 2 {
-        return Err(invalid(format!(
-            "size is {size}: the smallest map is 2 by 2"
-        )));
-    }
-    if !(p > 0.0 && p <= 1.0) {
-        return Err(invalid(format!(
-            "p is {p}: the probability of a frozen cell is above 0, at most 1"
-        )));
-    }
-    let mut rng = seed.map_or_else(Generator::from_os, |seed| Ok(Generator::from(seed)))?;
-    for _ in 0..MAX_DRAWS / size.saturating_mul(size) {
-        let mut board = vec![vec![b'F'; size]; size];
-        for cell in board.iter_mut().flatten() {
-            *cell = b"FH"[rng.choice_p(&[p, 1.0 - p])];
-        }
-        board[0][0] = b'S';
-        board[size - 1][size - 1] = b'G';
-        if has_path(&board) {
-            return Ok(board
-                .into_iter()
-                .map(|row| row.into_iter().map(char::from).collect())
-                .collect());
-        }
-    }
-    Err(invalid(format!(
-        "no map of size {size} with p {p} had a path: choose a larger p or a smaller size"
-    )))
-}
-
-/// Whether a square board has a path from the top left to the bottom right, by depth-first search.
-fn has_path(board: &[Vec<u8>]) -> bool {
-    let size = board.len();
-    let mut discovered = vec![false; size * size];
-    let mut frontier = vec![(0, 0)];
-    while let Some((row, col)) = frontier.pop() {
-        // a step off the top or left wraps around to a large number, which is out of range too
-        let on_ice = row < size && col < size && board[row][col] != b'H';
-        if !on_ice || std::mem::replace(&mut discovered[row * size + col], true) {
-            continue;
-        }
-        if board[row][col] == b'G' {
-            return true;
-        }
-        frontier.extend([
-            (row + 1, col),
-            (row, col + 1),
-            (row.wrapping_sub(1), col),
-            (row, col.wrapping_sub(1)),
-        ]);
-    }
-    false
 }
 
 impl Native for FrozenLakeDynamics {
@@ -628,20 +423,6 @@ mod tests {
         assert!(matches!(env.info_map()["prob"], Value::Float(_)));
         env.reset(()).unwrap();
         assert_eq!(env.info_map()["prob"], Value::Int(1));
-    }
-
-    /// A path may also go up and to the left.
-    #[test]
-    fn paths_lead_in_every_direction() {
-        let board = |rows: &[&str]| {
-            rows.iter()
-                .map(|row| row.as_bytes().to_vec())
-                .collect::<Vec<_>>()
-        };
-        let up = ["SHFFF", "FHFHF", "FHFHF", "FFFHF", "HHHHG"];
-        let left = ["SFFFF", "HHHHF", "FFFFF", "FHHHH", "FFFFG"];
-        assert!(has_path(&board(&up)) && has_path(&board(&left)));
-        assert!(!has_path(&board(&["SHF", "FHF", "FHG"])));
     }
 
     #[test]
@@ -764,34 +545,6 @@ mod tests {
             })
             .contains("finite")
         );
-    }
-
-    /// Gymnasium's `generate_random_map(4, 0.8, seed)`.
-    #[test]
-    fn random_maps_are_gymnasiums() {
-        for (seed, map) in [
-            (0, ["SFFF", "HHFF", "FHHF", "HFFG"]),
-            (42, ["SFHF", "FHFF", "FFFH", "FHFG"]),
-            (123, ["SFFF", "FHHF", "HHFF", "HFFG"]),
-        ] {
-            assert_eq!(generate_random_map(4, 0.8, Some(seed)).unwrap(), map);
-        }
-        assert_eq!(generate_random_map(2, 1.0, None).unwrap(), ["SF", "FG"]);
-    }
-
-    #[test]
-    fn an_impossible_random_map_is_an_error() {
-        for (size, p) in [
-            (1, 0.8),
-            (4, 0.0),
-            (4, -1.0),
-            (4, 1.5),
-            (4, f64::NAN),
-            (usize::MAX, 0.8),
-            (50, 1e-9),
-        ] {
-            assert!(generate_random_map(size, p, Some(0)).is_err(), "{size} {p}");
-        }
     }
 
     #[test]

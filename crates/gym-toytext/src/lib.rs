@@ -18,6 +18,7 @@
 mod art;
 pub mod blackjack;
 pub mod cliff_walking;
+mod distribution;
 pub mod frozen_lake;
 pub mod grid;
 mod planning;

@@ -15,6 +15,7 @@ mod parity_box2d;
 mod places;
 mod properties;
 mod sizes;
+mod sources;
 mod stack;
 mod vector;
 mod vector_calls;

@@ -3,14 +3,18 @@
 //! Plots are drawn on this project's [`Canvas`], so that one drawing gives both formats. (The usual
 //! library, `plotters`, needs a font file to draw text as pixels.)
 
+mod axes;
+mod series;
+
 use std::path::Path;
 
 use gym_core::Result;
-use gym_core::canvas::{Align, Canvas, Color, Point, Shape, Transform};
+use gym_core::canvas::{Align, Canvas, Color, Transform};
 use gym_core::render::{Frame, Painter};
 
-use crate::number::Decimal;
 use crate::{Raster, font, png, write_svg};
+use axes::{Area, Axis};
+use series::{moving_average, padded};
 
 /// The width of a plot.
 const WIDTH: u32 = 800;
@@ -353,193 +357,11 @@ fn draw_legend_row(canvas: &mut dyn Canvas, row: &[(&str, Color)], middle: f64, 
     }
 }
 
-fn is_drawn(value: f64) -> bool {
-    value.abs() <= LARGEST
-}
-
-/// Returns the range of the finite values, extended by [`PADDING`].
-fn padded(values: impl Iterator<Item = f64>) -> (f64, f64) {
-    let (min, max) = values
-        .filter(|&value| is_drawn(value))
-        .fold((f64::INFINITY, f64::NEG_INFINITY), |(min, max), value| {
-            (min.min(value), max.max(value))
-        });
-    if min > max {
-        return (0.0, 1.0);
-    }
-    let size = min.abs().max(max.abs());
-    // values that differ only by rounding errors count as equal
-    let flat = max - min <= 1e-9 * size;
-    let space = if !flat {
-        PADDING[1] * (max - min)
-    } else if size > 0.0 {
-        0.5 * size
-    } else {
-        1.0
-    };
-    (min - space, max + space)
-}
-
-/// Returns for each value the mean of the last `window` finite values; NaN if there is none.
-///
-/// The values are divided into blocks of `window`. Each mean combines two partial sums, one in the
-/// block in which the window ends and one in the block before, so the cost does not depend on
-/// `window`.
-fn moving_average(values: &[f64], window: usize) -> Vec<f64> {
-    let add = |(sum, count): (f64, f64), &value: &f64| {
-        if is_drawn(value) {
-            (sum + value, count + 1.0)
-        } else {
-            (sum, count)
-        }
-    };
-    let sums = |total: &mut (f64, f64), value| {
-        *total = add(*total, value);
-        Some(*total)
-    };
-    let window = window.clamp(1, values.len().max(1));
-    let mut before: Vec<(f64, f64)> = Vec::new();
-    let mut means = Vec::with_capacity(values.len());
-    for block in values.chunks(window) {
-        for (i, (sum, count)) in block.iter().scan((0.0, 0.0), sums).enumerate() {
-            let (sum_before, count_before) = before.get(i + 1).copied().unwrap_or_default();
-            means.push((sum_before + sum) / (count_before + count));
-        }
-        before = block.iter().rev().scan((0.0, 0.0), sums).collect();
-        before.reverse();
-    }
-    means
-}
-
-/// A range of values with round ticks.
-#[derive(Clone, Copy, Debug)]
-struct Axis {
-    min: f64,
-    max: f64,
-    step: f64,
-}
-
-impl Axis {
-    /// Makes an axis whose ticks are at least `smallest` apart: 1, 2 or 5 times a power of ten.
-    fn new(min: f64, max: f64, smallest: f64) -> Self {
-        let wanted = (max - min) / TICKS;
-        let power = 10_f64.powf(wanted.log10().floor());
-        let factor = [1.0, 2.0, 5.0]
-            .into_iter()
-            .find(|factor| factor * power >= wanted)
-            .unwrap_or(10.0);
-        Self {
-            min,
-            max,
-            step: (factor * power).max(smallest),
-        }
-    }
-
-    fn ticks(self) -> impl Iterator<Item = f64> {
-        let (first, last) = (
-            (self.min / self.step).ceil() as i64,
-            (self.max / self.step).floor() as i64,
-        );
-        (first..=last).map(move |index| index as f64 * self.step)
-    }
-
-    /// Returns the position of `value` on the axis: 0 at `min`, 1 at `max`.
-    fn part(self, value: f64) -> f64 {
-        (value - self.min) / (self.max - self.min)
-    }
-
-    /// Returns the label of a tick, with as many digits as the step requires.
-    fn label(self, tick: f64) -> String {
-        let (order, step_order) = (tick.abs().log10().floor(), self.step.log10().floor());
-        if order >= 7.0 || (tick != 0.0 && step_order < -4.0) {
-            let digits = (order - step_order).max(0.0) as usize;
-            return format!("{tick:.digits$e}");
-        }
-        Decimal::<5>(tick).to_string()
-    }
-}
-
-/// The rectangle between the axes.
-struct Area {
-    min: Point,
-    max: Point,
-    x: Axis,
-    y: Axis,
-}
-
-impl Area {
-    fn place(&self, [x, y]: Point) -> Point {
-        let between =
-            |axis: usize, part: f64| self.min[axis] + part * (self.max[axis] - self.min[axis]);
-        [between(0, self.x.part(x)), between(1, 1.0 - self.y.part(y))]
-    }
-
-    fn draw_axes(&self, canvas: &mut dyn Canvas) {
-        let (min, max) = (self.min, self.max);
-        for tick in self.y.ticks() {
-            let y = self.place([self.x.min, tick])[1].round();
-            canvas.line([min[0], y], [max[0], y], 1.0, GRID);
-            let position = [min[0] - TICK_GAP, y + TICK_SIZE / 2.0];
-            canvas.text(&self.y.label(tick), position, TICK_SIZE, Align::Right, INK);
-        }
-        let later = self.x.ticks().filter(|&tick| tick > 1.0);
-        for tick in std::iter::once(1.0).chain(later) {
-            let x = self.place([tick, self.y.min])[0].round();
-            canvas.line([x, max[1]], [x, max[1] + 4.0], 1.0, AXIS);
-            let position = [x, max[1] + TICK_GAP + TICK_SIZE];
-            canvas.text(&self.x.label(tick), position, TICK_SIZE, Align::Center, INK);
-        }
-        canvas.stroke(Shape::Polyline(&[min, [min[0], max[1]], max]), 1.0, AXIS);
-    }
-
-    /// Draws a line through `values`, interrupted at non-finite values.
-    fn draw_line(&self, canvas: &mut dyn Canvas, values: &[f64], width: f64, color: Color) {
-        let points: Vec<Point> = (1_u32..)
-            .zip(values)
-            .map(|(x, &y)| [f64::from(x), y])
-            .collect();
-        for run in points.split(|&[_, y]| !is_drawn(y)) {
-            let run: Vec<Point> = self
-                .thin(run)
-                .into_iter()
-                .map(|point| self.place(point))
-                .collect();
-            match run[..] {
-                [] => {}
-                [only] => canvas.circle(only, width, color),
-                _ => canvas.stroke(Shape::Polyline(&run), width, color),
-            }
-        }
-    }
-
-    /// If points are much denser than pixels, returns only the lowest and the highest point of each
-    /// group.
-    fn thin(&self, points: &[Point]) -> Vec<Point> {
-        let columns = ((self.max[0] - self.min[0]) * f64::from(PNG_SCALE)) as usize;
-        let group = points.len() / columns;
-        if group <= 2 {
-            return points.to_vec();
-        }
-        let extremes = |group: &[Point]| {
-            let (mut low, mut high) = (group[0], group[0]);
-            for &point in group {
-                low = if point[1] < low[1] { point } else { low };
-                high = if point[1] > high[1] { point } else { high };
-            }
-            if low[0] < high[0] {
-                [low, high]
-            } else {
-                [high, low]
-            }
-        };
-        points.chunks(group).flat_map(extremes).collect()
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::DrawLog;
+    use crate::number::Decimal;
 
     const AXES: &str = r#"clear #ffffff
 push x=1,0 y=0,1 origin=0,0
@@ -570,145 +392,6 @@ push x=1,0 y=0,1 origin=0,0
   text "a" 430.844,62.5 size=8.5 left #323232
 pop
 "#;
-
-    /// A dense line keeps its lowest and highest points, in order.
-    #[test]
-    fn a_dense_line_keeps_its_extremes() {
-        let area = Area {
-            x: Axis::new(1.0, 1000.0, 0.0),
-            y: Axis::new(0.0, 1.0, 0.0),
-            min: [0.0, 0.0],
-            max: [5.0, 5.0],
-        };
-        let columns = 5.0 * f64::from(PNG_SCALE);
-        let points: Vec<Point> = (0..1000)
-            .map(|i| [f64::from(i), f64::from(i * 7919 % 1009) - 1000.0])
-            .collect();
-        let thin = area.thin(&points);
-        let group = (1000.0 / columns) as usize;
-        let expected: Vec<Point> = points
-            .chunks(group)
-            .flat_map(|group| {
-                let by_height = |a: &&Point, b: &&Point| a[1].total_cmp(&b[1]);
-                let ends = [
-                    group.iter().min_by(by_height),
-                    group.iter().max_by(by_height),
-                ];
-                let mut ends = ends.map(|end| *end.unwrap());
-                ends.sort_by(|a, b| a[0].total_cmp(&b[0]));
-                ends
-            })
-            .collect();
-        assert_eq!(thin, expected);
-    }
-
-    fn ticks(min: f64, max: f64) -> Vec<String> {
-        let axis = Axis::new(min, max, 0.0);
-        axis.ticks().map(|tick| axis.label(tick)).collect()
-    }
-
-    #[test]
-    fn ticks_are_round() {
-        assert_eq!(ticks(-5.0, 525.0), ["0", "100", "200", "300", "400", "500"]);
-        assert_eq!(ticks(0.0, 1.0), ["0", "0.2", "0.4", "0.6", "0.8", "1"]);
-        assert_eq!(
-            ticks(-0.02, 0.03),
-            ["-0.02", "-0.01", "0", "0.01", "0.02", "0.03"]
-        );
-        assert_eq!(
-            ticks(1e7, 1.5e7),
-            ["1.0e7", "1.1e7", "1.2e7", "1.3e7", "1.4e7", "1.5e7"]
-        );
-        assert_eq!(
-            ticks(0.0, 3e-6),
-            [
-                "0", "5e-7", "1.0e-6", "1.5e-6", "2.0e-6", "2.5e-6", "3.0e-6"
-            ]
-        );
-        assert_eq!(
-            Axis::new(1.0, 3.0, 1.0).ticks().collect::<Vec<_>>(),
-            [1.0, 2.0, 3.0]
-        );
-    }
-
-    #[test]
-    fn the_range_has_space_around_the_values() {
-        assert_eq!(
-            padded([0.0, f64::NAN, 100.0, f64::INFINITY].into_iter()),
-            (-5.0, 105.0)
-        );
-        assert_eq!(padded([4.0, 4.0].into_iter()), (2.0, 6.0));
-        assert_eq!(padded([0.0].into_iter()), (-1.0, 1.0));
-        assert_eq!(padded([f64::NAN].into_iter()), (0.0, 1.0));
-    }
-
-    #[test]
-    fn the_average_looks_back() {
-        assert_eq!(
-            moving_average(&[1.0, 2.0, 6.0, f64::NAN, 4.0], 2),
-            [1.0, 1.5, 4.0, 6.0, 4.0]
-        );
-        assert!(moving_average(&[f64::NAN], 3)[0].is_nan());
-        assert_eq!(moving_average(&[], 3), [0.0; 0]);
-    }
-
-    #[test]
-    fn the_average_is_the_mean_of_each_window() {
-        // integers: their sums are exact in any order
-        let values: Vec<f64> = (0..40)
-            .map(|i| {
-                if i % 7 == 3 {
-                    f64::NAN
-                } else {
-                    f64::from(i * i % 31)
-                }
-            })
-            .collect();
-        for window in [1, 2, 3, 5, 13, 39, 40, 41, usize::MAX] {
-            let expected: Vec<f64> = (0..values.len())
-                .map(|end| {
-                    let last = &values[(end + 1).saturating_sub(window)..=end];
-                    let drawn: Vec<f64> = last
-                        .iter()
-                        .copied()
-                        .filter(|value| !value.is_nan())
-                        .collect();
-                    drawn.iter().sum::<f64>() / drawn.len() as f64
-                })
-                .collect();
-            let means = moving_average(&values, window);
-            assert_eq!(
-                format!("{means:?}"),
-                format!("{expected:?}"),
-                "a window of {window}"
-            );
-        }
-    }
-
-    /// The cost does not depend on the window: a million values with a window of 500,000 would take
-    /// minutes if each mean were summed separately.
-    #[test]
-    fn a_large_window_costs_no_more_than_a_small_one() {
-        let means = moving_average(&vec![2.0; 1_000_000], 500_000);
-        assert!(means.len() == 1_000_000 && means.iter().all(|&mean| mean == 2.0));
-    }
-
-    #[test]
-    fn long_runs_are_thinned_but_keep_their_extremes() {
-        let area = Area {
-            min: [0.0; 2],
-            max: [10.0; 2],
-            x: Axis::new(0.0, 1.0, 0.0),
-            y: Axis::new(0.0, 1.0, 0.0),
-        };
-        let points: Vec<Point> = (0..1000)
-            .map(|i| [f64::from(i), if i == 537 { 9.0 } else { f64::from(i % 2) }])
-            .collect();
-        let thin = area.thin(&points);
-        assert_eq!(thin.len(), 40);
-        assert!(thin.contains(&[537.0, 9.0]) && thin.is_sorted_by(|a, b| a[0] < b[0]));
-        assert_eq!(area.thin(&points[..50]), points[..50]);
-    }
 
     #[test]
     fn plots_draw_their_series_in_their_places() {

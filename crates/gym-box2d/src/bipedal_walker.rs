@@ -27,35 +27,31 @@
 //! The constants and the order of operations are those of Gymnasium 1.4.0,
 //! `envs/box2d/bipedal_walker.py`.
 
+mod draw;
+mod episode;
 mod ground;
 mod heuristic;
 
 use std::f32::consts::PI;
 use std::sync::LazyLock;
 
-use gym_core::canvas::{Canvas, Color, Point, Primitive, Transform};
+use gym_core::canvas::{Canvas, Point};
 use gym_core::math::{cos, sin};
 use gym_core::policy::reflex;
 use gym_core::registry::Clip;
 use gym_core::render::Metadata;
 use gym_core::vector::lockstep::Lockstep;
 use gym_core::{
-    Configure, Continuous, Env, Error, Generator, Inspect, Keys, Outcome, Policy, Precision,
-    Registration, Reset, Result, Snapshot, Space, pygame,
+    Configure, Continuous, Env, Error, Generator, Inspect, Keys, Outcome, Policy, Registration,
+    Reset, Result, Snapshot, Space,
 };
 use serde::{Deserialize, Serialize};
 use serde_json::{Value as Json, json};
 
-use crate::physics::{
-    BodyDef, BodyId, Filter, FixtureDef, FixtureId, JointId, Physics, Place, RevoluteJointDef,
-    Shape, Vec2, World,
-};
+use crate::physics::{BodyId, Filter, FixtureId, JointId, Physics, Place, World};
 use crate::rapier;
 use crate::settings;
-use crate::shapes::{self, points, vec2};
-use crate::worlds::{self, Ahead, Call, Worlds};
-
-use ground::Ground;
+use crate::worlds::{Ahead, Call, Worlds};
 pub use heuristic::Heuristic;
 
 const FPS: f64 = 50.0;
@@ -186,338 +182,6 @@ impl BipedalWalker {
     }
 }
 
-fn cloud(rng: &mut Generator) -> [Point; 5] {
-    let x = rng.uniform(0.0, TERRAIN_LENGTH as f64) * TERRAIN_STEP;
-    let y = VIEWPORT_H / SCALE * 3.0 / 4.0;
-    std::array::from_fn(|a| {
-        #[expect(clippy::approx_constant, reason = "Gymnasium's")]
-        let angle = 3.14 * 2.0 * a as f64 / 5.0;
-        let px = x + 15.0 * TERRAIN_STEP * sin(angle) + rng.uniform(0.0, 5.0 * TERRAIN_STEP);
-        let py = y + 5.0 * TERRAIN_STEP * cos(angle) + rng.uniform(0.0, 5.0 * TERRAIN_STEP);
-        [px, py]
-    })
-}
-
-impl Episode {
-    /// Makes ground, clouds, hull and legs, in Gymnasium's order of random draws and creation.
-    fn new(config: Config, mut rng: Generator) -> Self {
-        let mut world = World::with(config.physics, vec2(0.0, -10.0));
-        let Ground {
-            terrain_y,
-            obstacles,
-            ..
-        } = Ground::new(&mut rng, &mut world, config.hardcore);
-        let clouds = [(); TERRAIN_LENGTH / 20].map(|()| cloud(&mut rng));
-
-        let init_x = TERRAIN_STEP * TERRAIN_STARTPAD as f64 / 2.0;
-        let init_y = TERRAIN_HEIGHT + 2.0 * LEG_H;
-        let hull = world.create_body(&BodyDef::dynamic(vec2(init_x, init_y), 0.0));
-        let hull_shape = Shape::Polygon(points(&HULL_POLY, |x| x / SCALE));
-        let hull_fixture = world.create_fixture(
-            hull,
-            &FixtureDef {
-                density: 5.0,
-                friction: 0.1,
-                filter: WALKER,
-                ..FixtureDef::new(hull_shape)
-            },
-        );
-        let push = rng.uniform(-INITIAL_RANDOM, INITIAL_RANDOM);
-        world.apply_force_to_center(hull, vec2(push, 0.0));
-
-        let (mut legs, mut joints, mut fixtures) = (Vec::new(), Vec::new(), Vec::new());
-        for side in [-1.0, 1.0] {
-            let (mut above, mut anchor) = (hull, vec2(0.0, LEG_DOWN));
-
-            for (halves, width, limits, motor_speed) in [
-                (1.0, LEG_W, (-0.8, 1.1), side),
-                (3.0, 0.8 * LEG_W, (-1.6, -0.1), 1.0),
-            ] {
-                let position = vec2(init_x, init_y - LEG_H * halves / 2.0 - LEG_DOWN);
-                let leg = world.create_body(&BodyDef::dynamic(position, (side * 0.05) as f32));
-                let shape = Shape::Rect {
-                    half_width: (width / 2.0) as f32,
-                    half_height: (LEG_H / 2.0) as f32,
-                };
-                let def = FixtureDef {
-                    density: 1.0,
-                    filter: WALKER,
-                    ..FixtureDef::new(shape)
-                };
-                fixtures.push(world.create_fixture(leg, &def));
-                joints.push(world.create_revolute_joint(&RevoluteJointDef {
-                    body_a: above,
-                    body_b: leg,
-                    local_anchor_a: anchor,
-                    local_anchor_b: vec2(0.0, LEG_H / 2.0),
-                    limits: Some(limits),
-                    motor: true,
-                    motor_speed: motor_speed as f32,
-                    max_motor_torque: MOTORS_TORQUE,
-                    collide_connected: false,
-                }));
-                legs.push(leg);
-                (above, anchor) = (leg, vec2(0.0, -LEG_H / 2.0));
-            }
-        }
-        Self {
-            rng,
-            world,
-            hull,
-            legs: [legs[0], legs[1], legs[2], legs[3]],
-            joints: [joints[0], joints[1], joints[2], joints[3]],
-            fixtures: [
-                fixtures[0],
-                fixtures[1],
-                fixtures[2],
-                fixtures[3],
-                hull_fixture,
-            ],
-            terrain_y,
-            obstacles,
-            clouds,
-            game_over: false,
-            ground_contact: [false; 2],
-            prev_shaping: None,
-            lidar: [1.0; LIDAR_RAYS],
-            pictures: 0,
-            action: Continuous::default(),
-        }
-    }
-
-    /// Sets the motors to `action`, then steps the world as [`worlds::step`].
-    fn begin(&mut self, action: &Continuous<4>, worlds: Option<&mut Worlds>) -> Place {
-        for (i, (joint, a)) in self.joints.into_iter().zip(action.numbers).enumerate() {
-            let speed = if i % 2 == 0 { SPEED_HIP } else { SPEED_KNEE };
-            let direction = if a == 0.0 { 0.0 } else { a.signum() as f32 };
-            self.world.set_motor_speed(joint, speed * direction);
-            // for an action of `float32`, numpy rounds the product to `float32`; for other actions,
-            // Box2D does
-            let torque = f64::from(MOTORS_TORQUE) * a.abs().clamp(0.0, 1.0);
-            self.world.set_max_motor_torque(joint, torque as f32);
-        }
-        self.action = *action;
-        worlds::step(&mut self.world, FPS, worlds)
-    }
-
-    /// Computes observation, reward and end of the episode from the stepped world.
-    fn finish(&mut self) -> ([f32; 24], Outcome) {
-        for event in self.world.contact_events() {
-            self.game_over |= event.begin && event.bodies.contains(&self.hull);
-            for (leg, contact) in [1, 3].into_iter().zip(&mut self.ground_contact) {
-                if event.bodies.contains(&self.legs[leg]) {
-                    *contact = event.begin;
-                }
-            }
-        }
-        let pos = self.world.position(self.hull);
-        let x = f64::from(pos.x);
-        let ends: [Vec2; LIDAR_RAYS] = std::array::from_fn(|i| {
-            let end = self.ray_end(i);
-            vec2(end[0], end[1])
-        });
-        let hits = self.world.ray_casts(pos, &ends, GROUND);
-        self.lidar = hits.map(|hit| hit.map_or(1.0, |hit| hit.fraction));
-
-        let state = self.observe();
-        let mut shaping = 130.0 * x / SCALE; // moving forward
-        shaping -= 5.0 * f64::from(self.world.angle(self.hull)).abs(); // keeping the head straight
-        // for an action of `float32`, numpy's promotion makes the reward a `float32` from the first
-        // motor's cost on
-        let single = self.action.precision == Precision::Single;
-        let rounded = |x: f64| if single { f64::from(x as f32) } else { x };
-        let mut reward = rounded(self.prev_shaping.map_or(0.0, |before| shaping - before));
-        self.prev_shaping = Some(shaping);
-        let cost = rounded(0.00035 * f64::from(MOTORS_TORQUE));
-        for a in self.action.numbers {
-            reward = rounded(reward - rounded(cost * a.abs().clamp(0.0, 1.0)));
-        }
-
-        let mut terminated = false;
-        if self.game_over || x < 0.0 {
-            reward = -100.0;
-            terminated = true;
-        }
-        if x > (TERRAIN_LENGTH - TERRAIN_GRASS) as f64 * TERRAIN_STEP {
-            terminated = true;
-        }
-        (
-            state,
-            Outcome {
-                reward,
-                terminated,
-                truncated: false,
-            },
-        )
-    }
-
-    /// Returns the end of lidar ray `i` for a ray that hits nothing.
-    fn ray_end(&self, i: usize) -> Point {
-        let pos = self.world.position(self.hull);
-        let [right, down] = BEAMS[i];
-        [f64::from(pos.x) + right, f64::from(pos.y) - down]
-    }
-
-    fn observe(&self) -> [f32; 24] {
-        let world = &self.world;
-        let vel = world.linear_velocity(self.hull);
-        let mut state = [0.0; 24];
-        state[0] = f64::from(world.angle(self.hull));
-        state[1] = 2.0 * f64::from(world.angular_velocity(self.hull)) / FPS;
-        state[2] = 0.3 * f64::from(vel.x) * (VIEWPORT_W / SCALE) / FPS;
-        state[3] = 0.3 * f64::from(vel.y) * (VIEWPORT_H / SCALE) / FPS;
-        for side in 0..2 {
-            let [hip, knee] = [self.joints[2 * side], self.joints[2 * side + 1]];
-            let leg = &mut state[4 + 5 * side..];
-            leg[0] = f64::from(world.joint_angle(hip));
-            leg[1] = f64::from(world.joint_speed(hip)) / f64::from(SPEED_HIP);
-            leg[2] = f64::from(world.joint_angle(knee)) + 1.0;
-            leg[3] = f64::from(world.joint_speed(knee)) / f64::from(SPEED_KNEE);
-            leg[4] = f64::from(self.ground_contact[side]);
-        }
-        let mut observation = state.map(|x| x as f32);
-        observation[14..].copy_from_slice(&self.lidar);
-        observation
-    }
-
-    fn is_valid(&self) -> bool {
-        /// Far above the largest potential of an episode.
-        const MAX_SHAPING: f64 = 1e6;
-        let world = &self.world;
-        world.is_valid()
-            && world.has_body(self.hull)
-            && self.legs.iter().all(|leg| world.has_body(*leg))
-            && self.joints.iter().all(|joint| world.has_joint(*joint))
-            && self
-                .fixtures
-                .iter()
-                .chain(&self.obstacles)
-                .all(|fixture| world.has_fixture(*fixture))
-            && self.terrain_y.len() == TERRAIN_LENGTH
-            && self.pictures < LIDAR_CYCLE
-            && self
-                .prev_shaping
-                .is_none_or(|shaping| shaping.abs() <= MAX_SHAPING)
-    }
-
-    /// The scroll position of the frame, in m.
-    fn scroll(&self) -> f64 {
-        f64::from(self.world.position(self.hull).x) - VIEWPORT_W / SCALE / 5.0
-    }
-
-    fn draw_ground(&self, canvas: &mut dyn Canvas) {
-        let scroll = self.scroll();
-        let point = |i: usize| [i as f64 * TERRAIN_STEP, self.terrain_y[i]];
-        for i in 0..TERRAIN_LENGTH - 1 {
-            let ([x1, y1], [x2, y2]) = (point(i), point(i + 1));
-            if x2 >= scroll && x1 <= scroll + VIEWPORT_W / SCALE {
-                let ground =
-                    [[x1, y1], [x2, y2], [x2, 0.0], [x1, 0.0]].map(|p| p.map(|x| x * SCALE));
-                shapes::draw_polygon(canvas, &ground, Color::rgb(102, 153, 76));
-            }
-        }
-    }
-
-    /// Draws one lidar ray per frame: first to last, then last to first, then none until the end of
-    /// the cycle.
-    fn draw_lidar(&self, canvas: &mut dyn Canvas) {
-        let i = (self.pictures + 1) % LIDAR_CYCLE;
-        if i >= 2 * LIDAR_RAYS {
-            return;
-        }
-        let i = if i < LIDAR_RAYS {
-            i
-        } else {
-            2 * LIDAR_RAYS - 1 - i
-        };
-        let (p1, end, fraction) = (
-            self.world.position(self.hull),
-            self.ray_end(i),
-            self.lidar[i],
-        );
-        let p2 = if fraction < 1.0 {
-            // the point at which the engine's ray meets the ground
-            let end = vec2(end[0], end[1]);
-            [
-                (1.0 - fraction) * p1.x + fraction * end.x,
-                (1.0 - fraction) * p1.y + fraction * end.y,
-            ]
-            .map(f64::from)
-        } else {
-            end
-        };
-        let points = [[p1.x, p1.y].map(f64::from), p2].map(|p| p.map(|x| x * SCALE));
-        canvas.pygame(
-            Primitive::Lines {
-                points: &points,
-                closed: false,
-                width: 1,
-            },
-            Color::rgb(255, 0, 0),
-        );
-    }
-
-    /// Draws the edges of the ground and the obstacles on it, last first.
-    fn draw_terrain(&self, canvas: &mut dyn Canvas) {
-        for i in (0..TERRAIN_LENGTH - 1).rev() {
-            // rounded to `f32`, as in the world
-            let point = |i: usize| {
-                let at = vec2(i as f64 * TERRAIN_STEP, self.terrain_y[i]);
-                [at.x, at.y].map(|x| f64::from(x * SCALE as f32))
-            };
-            let green = if i % 2 == 0 { 255 } else { 204 };
-            let points = [point(i), point(i + 1)];
-            canvas.pygame(
-                Primitive::AaLines {
-                    points: &points,
-                    closed: false,
-                },
-                Color::rgb(76, green, 76),
-            );
-        }
-        for fixture in self.obstacles.iter().rev() {
-            self.draw_body(canvas, *fixture, [(255, 255, 255), (153, 153, 153)]);
-        }
-    }
-
-    fn draw_body(&self, canvas: &mut dyn Canvas, fixture: FixtureId, colors: [(u8, u8, u8); 2]) {
-        let (mut corners, count) = shapes::pixel_corners(&self.world, fixture, SCALE);
-        let [fill, outline] = colors.map(|(r, g, b)| Color::rgb(r, g, b));
-        shapes::draw_polygon(canvas, &corners[..count], fill);
-        canvas.pygame(
-            Primitive::Lines {
-                points: &corners[..count],
-                closed: true,
-                width: 1,
-            },
-            outline,
-        );
-        // repeat the first corner: pygame then draws its pixel in full colour
-        corners[count] = corners[0];
-        canvas.pygame(Primitive::AaPolygon(&corners[..=count]), outline);
-    }
-
-    fn draw_walker(&self, canvas: &mut dyn Canvas) {
-        let colors = [
-            (178, 101, 152),
-            (178, 101, 152),
-            (128, 51, 102),
-            (128, 51, 102),
-            (127, 51, 229),
-        ];
-        let outlines = [
-            (127, 76, 101),
-            (127, 76, 101),
-            (77, 26, 51),
-            (77, 26, 51),
-            (76, 76, 127),
-        ];
-        for ((fixture, fill), outline) in self.fixtures.iter().zip(colors).zip(outlines) {
-            self.draw_body(canvas, *fixture, [fill, outline]);
-        }
-    }
-}
-
 /// The next reset applies a set argument. `physics` is fixed.
 impl Inspect for BipedalWalker {
     fn arguments(&self) -> Json {
@@ -550,11 +214,7 @@ impl Env for BipedalWalker {
     }
 
     fn reset_into(&mut self, reset: &Reset, observation: &mut [f32; 24]) -> Result<()> {
-        if self
-            .ahead
-            .take()
-            .is_none_or(|ahead| ahead.call != Call::Reset)
-        {
+        if !Ahead::take(&mut self.ahead, Call::Reset) {
             self.begin_episode(reset, None)?;
         }
         let Some(episode) = &mut self.episode else {
@@ -569,10 +229,7 @@ impl Env for BipedalWalker {
         action: &Continuous<4>,
         observation: &mut [f32; 24],
     ) -> Result<Outcome> {
-        let begun = self
-            .ahead
-            .take()
-            .is_some_and(|ahead| ahead.call == Call::Step);
+        let begun = Ahead::take(&mut self.ahead, Call::Step);
         let Some(episode) = &mut self.episode else {
             return Err(Error::ResetNeeded("step"));
         };
@@ -605,54 +262,9 @@ impl Env for BipedalWalker {
     }
 
     fn draw(&self, canvas: &mut dyn Canvas) {
-        let Some(episode) = &self.episode else { return };
-        let scroll = episode.scroll();
-        canvas.clear(Color::BLACK);
-        // Gymnasium draws a wider image, from the start of the ground, and crops the image to its
-        // right end
-        let left = (VIEWPORT_W + scroll.max(0.0) * SCALE).trunc() - VIEWPORT_W;
-        canvas.push(Transform::translate(-left, 0.0));
-        canvas.push(pygame::flipped(VIEWPORT_H));
-        // truncate to whole pixels as pygame does, so that the sky begins at the edge at any size
-        let sky_left = (scroll * SCALE).trunc();
-        let sky = pygame::corners([sky_left, 0.0], [sky_left + VIEWPORT_W, VIEWPORT_H]);
-        let [a, b, c, d] = sky;
-        canvas.pygame(Primitive::Polygon(&[a, d, c, b]), Color::rgb(215, 215, 255));
-        for cloud in &episode.clouds {
-            let (left, right) = cloud
-                .iter()
-                .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), [x, _]| {
-                    (low.min(*x), high.max(*x))
-                });
-            // clouds scroll at half speed
-            if right >= scroll / 2.0 && left <= scroll / 2.0 + VIEWPORT_W / SCALE {
-                let cloud = cloud.map(|[x, y]| [x * SCALE + scroll * SCALE / 2.0, y * SCALE]);
-                shapes::draw_polygon(canvas, &cloud, Color::WHITE);
-            }
+        if let Some(episode) = &self.episode {
+            episode.draw(canvas);
         }
-        episode.draw_ground(canvas);
-        episode.draw_lidar(canvas);
-        episode.draw_terrain(canvas);
-        episode.draw_walker(canvas);
-        let (x, bottom) = (TERRAIN_STEP * 3.0 * SCALE, TERRAIN_HEIGHT * SCALE);
-        let top = bottom + 50.0;
-        let pole = Primitive::AaLines {
-            points: &[[x, bottom], [x, top]],
-            closed: false,
-        };
-        canvas.pygame(pole, Color::BLACK);
-        let flag = [[x, top], [x, top - 10.0], [x + 25.0, top - 5.0]];
-        canvas.pygame(Primitive::Polygon(&flag), Color::rgb(230, 51, 0));
-        canvas.pygame(
-            Primitive::Lines {
-                points: &flag,
-                closed: true,
-                width: 1,
-            },
-            Color::BLACK,
-        );
-        canvas.pop();
-        canvas.pop();
     }
 
     fn frames_drawn(&mut self, count: u64) {
@@ -684,21 +296,15 @@ impl Lockstep for BipedalWalker {
     }
 
     fn begin_reset(&mut self, reset: &Reset, worlds: &mut Worlds) {
-        let place = self.begin_episode(reset, Some(worlds));
-        self.ahead = place.ok().map(|place| Ahead {
-            call: Call::Reset,
-            place,
-        });
+        let place = self.begin_episode(reset, Some(worlds)).ok();
+        self.ahead = Ahead::of(Call::Reset, place);
     }
 
     fn begin_step(&mut self, action: &Continuous<4>, worlds: &mut Worlds) {
         let possible = action.is_finite();
         let episode = self.episode.as_mut().filter(|_| possible);
         let place = episode.map(|episode| episode.begin(action, Some(worlds)));
-        self.ahead = place.map(|place| Ahead {
-            call: Call::Step,
-            place,
-        });
+        self.ahead = Ahead::of(Call::Step, place);
     }
 
     fn collect(&mut self, worlds: &mut Worlds) {

@@ -31,8 +31,20 @@ impl Together for Worlds {
 /// environments together, before the environment's own `reset` or `step` is called.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Ahead {
-    pub(crate) call: Call,
+    call: Call,
     pub(crate) place: Place,
+}
+
+impl Ahead {
+    /// Records that `call` has begun; `place` is `None` if it could not begin.
+    pub(crate) fn of(call: Call, place: Option<Place>) -> Option<Self> {
+        place.map(|place| Self { call, place })
+    }
+
+    /// Clears `ahead`, and returns whether it was `call` that had begun.
+    pub(crate) fn take(ahead: &mut Option<Self>, call: Call) -> bool {
+        ahead.take().is_some_and(|ahead| ahead.call == call)
+    }
 }
 
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -1,19 +1,22 @@
 //! `Box`: arrays of numbers between bounds.
 
+mod bounds;
+mod stored;
+
 use std::fmt;
 use std::sync::Arc;
 
 use gym_numerics::Generator;
 use serde::{Deserialize, Serialize};
-use serde_json::Value as Json;
 
 use crate::value::array::{Array, Scalar};
-use crate::value::number::{Number, Numeric, collect, limits, with_type};
-use crate::value::{DType, Data, Error, Result, Value, numpy_fmt};
+use crate::value::number::{Number, Numeric, with_type};
+use crate::value::{DType, Error, Result, Value, numpy_fmt};
 
 use super::{array_of, element_count, invalid};
 use crate::value::fault::{Fault, expect_array, is_array};
-use crate::value::stored::plain;
+use bounds::{Bound, all_between, bounded};
+use stored::Description;
 
 /// Arrays of one shape and type. Each element has its own bounds (inclusive), which may be
 /// infinite: Gymnasium's `Box`.
@@ -295,107 +298,6 @@ impl fmt::Display for BoxSpace {
     }
 }
 
-/// One side of the box.
-#[derive(Clone, Copy)]
-enum Bound {
-    Low,
-    High,
-}
-
-impl Bound {
-    /// The bound as a number of the type, and whether it is finite.
-    fn settle(self, bound: Number, dtype: DType) -> Result<(Number, bool), Fault> {
-        let (min, max) = limits(dtype);
-        let (name, infinity, limit) = match self {
-            Self::Low => ("low", f64::NEG_INFINITY, min),
-            Self::High => ("high", f64::INFINITY, max),
-        };
-        let is_open = bound.to_f64() == infinity;
-        let may_be_open = !dtype.is_unsigned();
-        if is_open && may_be_open {
-            return Ok((if dtype.is_float() { bound } else { limit }, false));
-        }
-        if bound.fits(dtype) && bound.to_f64().is_finite() {
-            return Ok((bound, true));
-        }
-        let kind = if dtype.is_float() {
-            "number"
-        } else {
-            "whole number"
-        };
-        let or_open = if may_be_open {
-            format!(", or {infinity}")
-        } else {
-            String::new()
-        };
-        Err(Fault::new(format!(
-            "{name} is {bound}: give {dtype} a {kind} from {min} to {max}{or_open}"
-        )))
-    }
-
-    fn settle_all(
-        self,
-        bounds: impl Iterator<Item = Number>,
-        shape: &[usize],
-        dtype: DType,
-    ) -> Result<(Array, Vec<bool>), Fault> {
-        let settled = bounds.enumerate().map(|(i, bound)| {
-            self.settle(bound, dtype)
-                .map_err(|fault| fault.at_element(i, shape))
-        });
-        let (numbers, bounded): (Vec<Number>, Vec<bool>) =
-            settled.collect::<Result<Vec<_>, _>>()?.into_iter().unzip();
-        let array = Array::new(shape, collect(dtype, numbers))
-            .map_err(|error| Fault::new(error.to_string()))?;
-        Ok((array, bounded))
-    }
-}
-
-/// Returns for each element whether the low and the high bound are finite; `None` for invalid
-/// bounds.
-fn bounded<T: Numeric>(low: &[T], high: &[T]) -> Option<(Vec<bool>, Vec<bool>)> {
-    let is_finite = |bound: &T| bound.to_f64().is_finite();
-    let are_bounds = low.iter().zip(high).all(|(low, high)| {
-        low <= high && low.to_f64() < f64::INFINITY && high.to_f64() > f64::NEG_INFINITY
-    });
-    are_bounds.then(|| {
-        (
-            low.iter().map(is_finite).collect(),
-            high.iter().map(is_finite).collect(),
-        )
-    })
-}
-
-fn all_between(values: &Data, low: &Data, high: &Data) -> bool {
-    fn same_type<T: PartialOrd>(values: &[T], low: &[T], high: &[T]) -> bool {
-        /// The number of elements compared between two tests for a failure: enough to fill vector
-        /// registers.
-        const AT_ONCE: usize = 256;
-        let parts = values
-            .chunks(AT_ONCE)
-            .zip(low.chunks(AT_ONCE))
-            .zip(high.chunks(AT_ONCE));
-        parts.into_iter().all(|((values, low), high)| {
-            let between = values
-                .iter()
-                .zip(low)
-                .zip(high)
-                .map(|((x, low), high)| (low <= x) & (x <= high));
-            between.fold(true, |all, is| all & is)
-        })
-    }
-    let dtype = low.dtype();
-    if values.dtype() == dtype {
-        return with_type!(dtype, T => match (T::slice(values), T::slice(low), T::slice(high)) {
-            (Some(values), Some(low), Some(high)) => same_type(values, low, high),
-            _ => false,
-        });
-    }
-    Number::all(values)
-        .zip(Number::all(low).zip(Number::all(high)))
-        .all(|(x, (low, high))| low <= x && x <= high)
-}
-
 /// numpy's `uniform`, which refuses a range wider than the largest `f64`.
 fn uniform(rng: &mut Generator, start: f64, end: f64) -> f64 {
     if (end - start).is_finite() {
@@ -427,80 +329,10 @@ fn settle<T: Numeric>(x: f64, low: T, high: T) -> T {
     }
 }
 
-/// The stored form. A bound is one number if all elements have equal bounds, and `"inf"` or
-/// `"-inf"` for an infinite number.
-#[derive(Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-struct Description {
-    low: Json,
-    high: Json,
-    shape: Vec<usize>,
-    dtype: DType,
-}
-
-impl From<BoxSpace> for Description {
-    fn from(space: BoxSpace) -> Self {
-        let describe = |bounds: &Array, bounded: &[bool], infinity: f64| {
-            let number = |(number, &bounded)| {
-                plain::write_number(if bounded {
-                    number
-                } else {
-                    Number::Float(infinity)
-                })
-            };
-            // 0 and -0 are different here, so that the sign of a zero bound survives.
-            let sign = |bound: &Json| bound.as_f64().map(f64::is_sign_negative);
-            let same = |a: &Json, b: &Json| a == b && sign(a) == sign(b);
-            let mut all: Vec<Json> = Number::all(bounds.data())
-                .zip(bounded)
-                .map(number)
-                .collect();
-            match all.pop() {
-                Some(last) if all.iter().all(|bound| same(bound, &last)) => last,
-                last => {
-                    all.extend(last);
-                    Json::Array(all)
-                }
-            }
-        };
-        Self {
-            low: describe(&space.0.low, &space.0.bounded_below, f64::NEG_INFINITY),
-            high: describe(&space.0.high, &space.0.bounded_above, f64::INFINITY),
-            shape: space.shape().to_vec(),
-            dtype: space.dtype(),
-        }
-    }
-}
-
-impl TryFrom<Description> for BoxSpace {
-    type Error = Error;
-
-    fn try_from(description: Description) -> Result<Self> {
-        let Description {
-            low,
-            high,
-            shape,
-            dtype,
-        } = description;
-        let bounds = |bounds: &Json| match bounds {
-            Json::Array(bounds) => bounds
-                .iter()
-                .map(plain::parse_number)
-                .collect::<Result<Vec<_>, _>>(),
-            bound => {
-                let len = element_count(&shape)?;
-                plain::parse_number(bound).map(|bound| vec![bound; len])
-            }
-        };
-        let numbers = bounds(&low).and_then(|low| Ok((low, bounds(&high)?)));
-        let (low, high) = numbers.map_err(|fault| Error::InvalidSpace(fault.to_string()))?;
-        Self::from_numbers(low.into_iter(), high.into_iter(), &shape, dtype)
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::value::Data;
 
     fn error(result: Result<BoxSpace>) -> String {
         result.unwrap_err().to_string()
@@ -534,18 +366,6 @@ mod tests {
             assert!(large.contains(&Value::Array(value.clone().into())));
             value[wrong] = if wrong % 2 == 0 { 2.0 } else { f32::NAN };
             assert!(!large.contains(&Value::Array(value.into())), "{wrong}");
-        }
-    }
-
-    #[test]
-    fn bounds_keep_the_sign_of_zero_in_json() {
-        for low in [[0.0, -0.0], [-0.0, 0.0], [-0.0, -0.0], [0.0, 0.0]] {
-            let space = BoxSpace::new(low, [1.0, 1.0]).unwrap();
-            let again: BoxSpace =
-                serde_json::from_value(serde_json::to_value(&space).unwrap()).unwrap();
-            let bits =
-                |space: &BoxSpace| space.low().iter_f64().map(f64::to_bits).collect::<Vec<_>>();
-            assert_eq!(bits(&again), low.map(f64::to_bits));
         }
     }
 
@@ -710,26 +530,6 @@ mod tests {
                 space.draw(&mut rng, &mut out);
                 assert!(space.contains(&out), "{out} in {space}");
             }
-        }
-    }
-
-    #[test]
-    fn stored_form_is_checked() {
-        let space: BoxSpace =
-            serde_json::from_str(r#"{"low":"-inf","high":[1,2.5],"shape":[2],"dtype":"float32"}"#)
-                .unwrap();
-        assert_eq!(
-            space,
-            BoxSpace::new([f32::NEG_INFINITY; 2], [1.0, 2.5]).unwrap()
-        );
-        for bad in [
-            r#"{"low":0,"high":[1,2,3],"shape":[2],"dtype":"float32"}"#,
-            r#"{"low":2,"high":1,"shape":[2],"dtype":"float32"}"#,
-            r#"{"low":null,"high":1,"shape":[2],"dtype":"float32"}"#,
-            r#"{"low":0,"high":"inf","shape":[2],"dtype":"uint8"}"#,
-            r#"{"low":["inf"],"high":[1],"shape":[0],"dtype":"float32"}"#,
-        ] {
-            assert!(serde_json::from_str::<BoxSpace>(bad).is_err(), "{bad}");
         }
     }
 }

@@ -18,6 +18,7 @@ mod mission;
 mod multi_binary;
 mod multi_discrete;
 mod one_of;
+mod real_actions;
 mod rows;
 mod sampler;
 mod selection;

@@ -47,3 +47,13 @@ pub enum Error {
     #[error("the data does not fit the model: {0}")]
     Data(String),
 }
+
+/// Returns an error with this text unless the condition holds.
+macro_rules! ensure {
+    ($condition:expr, $($text:tt)+) => {
+        if !$condition {
+            return Err($crate::Error::Model(format!($($text)+)));
+        }
+    };
+}
+pub(crate) use ensure;

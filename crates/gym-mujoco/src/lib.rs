@@ -10,9 +10,9 @@
 // call
 #![cfg_attr(test, allow(dead_code, unused_imports))]
 
-pub mod data;
+mod compile;
 mod error;
-mod libm;
+mod math;
 mod mjcf;
 pub mod model;
 pub mod physics;
@@ -20,10 +20,9 @@ pub mod recording;
 pub mod tasks;
 pub mod view;
 
-pub use data::{Contact, Data};
 pub use error::{Error, Result};
 pub use model::{CompiledModel, Model, Revision};
-pub use physics::{forward, step, step1, step2};
+pub use physics::{Contact, Data, forward, step, step1, step2};
 pub use tasks::{
     Ant, HalfCheetah, Hopper, Humanoid, HumanoidStandup, InvertedDoublePendulum, InvertedPendulum,
     Pusher, Reacher, Simulated, Swimmer, Walker2d, simulated, simulated_mut,

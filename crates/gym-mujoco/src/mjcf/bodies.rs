@@ -1,18 +1,18 @@
 //! The tree of bodies: their parts, frames and copies.
 
-use super::compile::MOST;
+use super::MOST;
 use super::defaults::Classes;
 use super::orientation::{IDENTITY, Orientation, compose, unit, within};
 use super::spec::{Body, Frame, Inertial, Joint, Spec};
 use super::xml::Element;
 use crate::Result;
-use crate::physics::spatial::{InTurn, Order, add, rotate};
+use crate::math::spatial::{InTurn, Order, add, rotate};
 
 /// The largest number of elements in bodies, with the copies that `replicate` makes.
 const MOST_ELEMENTS: usize = 200_000;
 
 /// Reads the bodies of the world.
-pub(super) struct Bodies<'s> {
+pub(crate) struct Bodies<'s> {
     spec: &'s mut Spec,
     classes: &'s Classes,
     elements: usize,
@@ -63,7 +63,7 @@ impl<'a, 'input> Open<'a, 'input> {
 }
 
 impl<'s> Bodies<'s> {
-    pub(super) fn new(spec: &'s mut Spec, classes: &'s Classes) -> Self {
+    pub(crate) fn new(spec: &'s mut Spec, classes: &'s Classes) -> Self {
         Self {
             spec,
             classes,
@@ -73,7 +73,7 @@ impl<'s> Bodies<'s> {
 
     /// Reads the bodies of the world, each after its parent and before its children. The function
     /// does not recurse, because deep nesting would overflow the stack.
-    pub(super) fn read(mut self, world: Element<'_, '_>) -> Result<()> {
+    pub(crate) fn read(mut self, world: Element<'_, '_>) -> Result<()> {
         let mut open = vec![Open::new(world, 0, 0)?];
         while let Some(around) = open.last_mut() {
             let Some(child) = around.children.next() else {

@@ -1,6 +1,6 @@
 //! Classes of default values.
 
-use super::compile::MOST;
+use super::MOST;
 use super::spec::{
     ACTUATORS, Actuator, Camera, Equality, Geom, Joint, Light, Material, Pair, Site, Tendon,
 };
@@ -9,24 +9,24 @@ use crate::{Result, Revision};
 
 /// The initial values of the elements of a class.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Class {
+pub(crate) struct Class {
     name: String,
     parent: Option<usize>,
-    pub(super) joint: Joint,
-    pub(super) geom: Geom,
-    pub(super) site: Site,
-    pub(super) camera: Camera,
-    pub(super) light: Light,
-    pub(super) material: Material,
-    pub(super) pair: Pair,
-    pub(super) equality: Equality,
-    pub(super) tendon: Tendon,
-    pub(super) actuator: Actuator,
+    pub(crate) joint: Joint,
+    pub(crate) geom: Geom,
+    pub(crate) site: Site,
+    pub(crate) camera: Camera,
+    pub(crate) light: Light,
+    pub(crate) material: Material,
+    pub(crate) pair: Pair,
+    pub(crate) equality: Equality,
+    pub(crate) tendon: Tendon,
+    pub(crate) actuator: Actuator,
 }
 
 /// All classes; the first applies to elements without a class.
 #[derive(Debug)]
-pub(super) struct Classes(Vec<Class>);
+pub(crate) struct Classes(Vec<Class>);
 
 const MAIN: &str = "main";
 
@@ -41,7 +41,7 @@ impl Default for Classes {
 
 impl Classes {
     /// Reads a `default` section, which changes the classes for the elements after the section.
-    pub(super) fn read(&mut self, mut section: Element<'_, '_>, revision: Revision) -> Result<()> {
+    pub(crate) fn read(&mut self, mut section: Element<'_, '_>, revision: Revision) -> Result<()> {
         match section.text("class") {
             Some(name) if name != MAIN => Err(section.place().attribute(
                 "class",
@@ -126,7 +126,7 @@ impl Classes {
     }
 
     /// The class that an attribute names; `inherited` without the attribute.
-    pub(super) fn named(
+    pub(crate) fn named(
         &self,
         element: &mut Element<'_, '_>,
         attribute: &'static str,
@@ -151,7 +151,7 @@ impl Classes {
     /// The initial values of the actuator element `kind` of a class. In 4.0, its parameters are those
     /// of the nearest class, from this one outwards, that was set by an element of the same kind or
     /// by a fitting `general`; in 3.12 an element takes the parameters of every other kind.
-    pub(super) fn actuator(&self, class: usize, kind: &str, revision: Revision) -> Actuator {
+    pub(crate) fn actuator(&self, class: usize, kind: &str, revision: Revision) -> Actuator {
         let mut actuator = self.0[class].actuator.clone();
         if revision == Revision::V4_0 && kind != "general" {
             let outwards = std::iter::successors(Some(class), |&class| self.0[class].parent);
@@ -163,12 +163,12 @@ impl Classes {
     }
 
     /// The class that the attribute `class` names; the first class without the attribute.
-    pub(super) fn of(&self, element: &mut Element<'_, '_>) -> Result<&Class> {
+    pub(crate) fn of(&self, element: &mut Element<'_, '_>) -> Result<&Class> {
         Ok(&self.0[self.named(element, "class", 0)?])
     }
 
     /// A class by its number.
-    pub(super) fn get(&self, class: usize) -> &Class {
+    pub(crate) fn get(&self, class: usize) -> &Class {
         &self.0[class]
     }
 }

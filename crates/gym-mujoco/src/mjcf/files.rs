@@ -23,7 +23,7 @@ const MAX_FILES: usize = 100;
 
 /// The texts of a model and its included files, before they are parsed.
 #[derive(Debug, Default)]
-pub(super) struct Texts {
+pub(crate) struct Texts {
     /// The name of each file, for errors (empty for the model itself), and its text.
     texts: Vec<(String, String)>,
     /// The text that each element `include` names, by the number of its own text and its position
@@ -33,12 +33,12 @@ pub(super) struct Texts {
 
 impl Texts {
     /// The text of a model without files: an `include` is an error.
-    pub(super) fn of(text: &str) -> Result<Self> {
+    pub(crate) fn of(text: &str) -> Result<Self> {
         Self::load(text.to_owned(), None)
     }
 
     /// A file and all that it includes.
-    pub(super) fn of_file(path: &Path) -> Result<Self> {
+    pub(crate) fn of_file(path: &Path) -> Result<Self> {
         Self::load(read(path)?, Some(path))
     }
 
@@ -117,7 +117,7 @@ impl Texts {
     }
 
     /// The texts as elements.
-    pub(super) fn parse(&self) -> Result<Files<'_>> {
+    pub(crate) fn parse(&self) -> Result<Files<'_>> {
         let mut files = Files {
             files: Vec::new(),
             included: &self.included,
@@ -186,29 +186,29 @@ fn check_tags(text: &str) -> std::result::Result<(), (u32, String)> {
 }
 
 /// Parsed texts.
-pub(super) struct Files<'input> {
+pub(crate) struct Files<'input> {
     files: Vec<(&'input str, Document<'input>, Lines)>,
     included: &'input BTreeMap<(usize, usize), usize>,
 }
 
 impl<'input> Files<'input> {
     /// The outermost element of a file.
-    pub(super) fn root(&self, file: usize) -> Node<'_, 'input> {
+    pub(crate) fn root(&self, file: usize) -> Node<'_, 'input> {
         self.files[file].1.root_element()
     }
 
     /// The name of a file; empty for the model itself.
-    pub(super) fn name(&self, file: usize) -> &str {
+    pub(crate) fn name(&self, file: usize) -> &str {
         self.files[file].0
     }
 
     /// The line of a position in a file.
-    pub(super) fn line(&self, file: usize, position: usize) -> u32 {
+    pub(crate) fn line(&self, file: usize, position: usize) -> u32 {
         self.files[file].2.at(position)
     }
 
     /// The file that an element of a file includes.
-    pub(super) fn included(&self, file: usize, node: Node<'_, '_>) -> Option<usize> {
+    pub(crate) fn included(&self, file: usize, node: Node<'_, '_>) -> Option<usize> {
         let number = self.included.get(&(file, node.range().start));
         number.copied().filter(|_| node.has_tag_name("include"))
     }

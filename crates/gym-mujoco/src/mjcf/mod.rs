@@ -25,69 +25,13 @@
 //! composites, flexes and plugins are errors.
 
 mod bodies;
-mod compile;
 mod defaults;
-mod figures;
-mod files;
-mod fluid;
-mod inertia;
-mod orientation;
-mod reader;
-mod spec;
-mod xml;
+pub(crate) mod files;
+pub(crate) mod orientation;
+pub(crate) mod reader;
+pub(crate) mod spec;
+pub(crate) mod xml;
 
-use std::path::Path;
-
-use crate::{Error, Model, Result, Revision};
-
-impl Model {
-    /// Compiles a model from a text in MJCF, which includes no files.
-    ///
-    /// # Errors
-    /// [`Error::Mjcf`] for text that is not XML, for anything outside the supported part of MJCF,
-    /// and for an impossible model, with the line.
-    pub fn from_xml(text: &str) -> Result<Self> {
-        Self::from_xml_with(text, Revision::default())
-    }
-
-    /// [`from_xml`](Self::from_xml), for a revision of the engine.
-    ///
-    /// # Errors
-    /// The errors of `from_xml`.
-    pub fn from_xml_with(text: &str, revision: Revision) -> Result<Self> {
-        Self::from_texts(&files::Texts::of(text)?, revision)
-    }
-
-    /// Compiles a model from a file in MJCF and the files that it includes. Their names are
-    /// relative to the folder of this file, or else to that of the including file.
-    ///
-    /// # Errors
-    /// [`Error::File`] if a file cannot be read, is missing or is included twice, or with the error
-    /// of [`from_xml`](Self::from_xml).
-    pub fn from_path(path: impl AsRef<Path>) -> Result<Self> {
-        Self::from_path_with(path, Revision::default())
-    }
-
-    /// [`from_path`](Self::from_path), for a revision of the engine.
-    ///
-    /// # Errors
-    /// The errors of `from_path`.
-    pub fn from_path_with(path: impl AsRef<Path>, revision: Revision) -> Result<Self> {
-        let path = path.as_ref();
-        let texts = files::Texts::of_file(path);
-        let model = texts.and_then(|texts| Self::from_texts(&texts, revision));
-        model.map_err(|error| match error {
-            Error::File { .. } => error,
-            error => Error::File {
-                path: path.display().to_string(),
-                reason: error.to_string(),
-            },
-        })
-    }
-
-    fn from_texts(texts: &files::Texts, revision: Revision) -> Result<Self> {
-        let spec = reader::read(&texts.parse()?, revision)?;
-        let compiled = compile::compile(&spec)?;
-        compile::finish(compiled, &spec).map_err(|error| spec.located(error))
-    }
-}
+/// The largest number of bodies, geoms and degrees of freedom (the engine's matrices are dense),
+/// and of each kind of object that is looked up by name.
+pub(crate) const MOST: usize = 1000;

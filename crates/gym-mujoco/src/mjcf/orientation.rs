@@ -2,10 +2,9 @@
 
 use super::spec::{Compiler, Frame};
 use super::xml::Element;
-use crate::physics::spatial::{
-    EPS, InTurn, Order, Quat, add, axis_angle, cross, rotate, rotate_quat,
-};
-use crate::{Result, libm};
+use crate::Result;
+use crate::math::libm;
+use crate::math::spatial::{EPS, InTurn, Order, Quat, add, axis_angle, cross, rotate, rotate_quat};
 
 /// The orientation of a frame that is not turned.
 pub(crate) const IDENTITY: Quat = [1.0, 0.0, 0.0, 0.0];
@@ -13,7 +12,7 @@ pub(crate) const IDENTITY: Quat = [1.0, 0.0, 0.0, 0.0];
 /// An orientation as the text gives it. Other forms take precedence over `quat`, even if a default
 /// class gives them.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) struct Orientation {
+pub(crate) struct Orientation {
     quat: Quat,
     other: Option<Form>,
 }
@@ -37,7 +36,7 @@ impl Default for Orientation {
 
 impl Orientation {
     /// The orientation given by Euler angles.
-    pub(super) fn of_euler(angles: [f64; 3]) -> Self {
+    pub(crate) fn of_euler(angles: [f64; 3]) -> Self {
         Self {
             other: Some(Form::Euler(angles)),
             ..Self::default()
@@ -45,7 +44,7 @@ impl Orientation {
     }
 
     /// Reads the forms of an orientation. An element may have at most one.
-    pub(super) fn read(&mut self, element: &mut Element<'_, '_>) -> Result<()> {
+    pub(crate) fn read(&mut self, element: &mut Element<'_, '_>) -> Result<()> {
         let (place, mut given) = (element.place(), Vec::new());
         let zero = |v: &[f64]| norm(v) < EPS;
         if let Some(quat) = element.numbers("quat")? {
@@ -89,7 +88,7 @@ impl Orientation {
     }
 
     /// The quaternion, with the unit and the order of angles of `compiler`.
-    pub(super) fn resolve(&self, compiler: &Compiler) -> Quat {
+    pub(crate) fn resolve(&self, compiler: &Compiler) -> Quat {
         let degree = compiler.degree;
         let radians = |angle: f64| {
             if degree {
@@ -127,7 +126,7 @@ impl Orientation {
 
 /// Normalises a vector; returns it with its length: MuJoCo's `mjuu_normvec`, which returns a vector
 /// of length 0 or nearly 1 unchanged.
-pub(super) fn unit<const N: usize>(v: [f64; N]) -> ([f64; N], f64) {
+pub(crate) fn unit<const N: usize>(v: [f64; N]) -> ([f64; N], f64) {
     let square: f64 = v.iter().map(|x| x * x).sum();
     if square < EPS {
         return (v, 0.0);
@@ -144,7 +143,7 @@ pub(super) fn unit<const N: usize>(v: [f64; N]) -> ([f64; N], f64) {
 }
 
 /// Converts a frame within `frame` to the outer frame: MuJoCo's `mjuu_frameaccumChild`.
-pub(super) fn within(frame: Option<Frame>, (pos, quat): Frame) -> Frame {
+pub(crate) fn within(frame: Option<Frame>, (pos, quat): Frame) -> Frame {
     let Some((origin, turn)) = frame else {
         return (pos, quat);
     };
@@ -153,7 +152,7 @@ pub(super) fn within(frame: Option<Frame>, (pos, quat): Frame) -> Frame {
 }
 
 /// Turns a direction from `frame` to its body's frame.
-pub(super) fn turned(frame: Option<Frame>, direction: [f64; 3]) -> [f64; 3] {
+pub(crate) fn turned(frame: Option<Frame>, direction: [f64; 3]) -> [f64; 3] {
     match frame {
         Some((_, quat)) if quat != IDENTITY => rotate_quat(direction, quat),
         _ => direction,
@@ -162,12 +161,12 @@ pub(super) fn turned(frame: Option<Frame>, direction: [f64; 3]) -> [f64; 3] {
 
 /// The rotation `b` followed by `a`, where `b` is given in the frame of `a`: MuJoCo's
 /// `mjuu_mulquat`.
-pub(super) fn compose(a: Quat, b: Quat) -> Quat {
+pub(crate) fn compose(a: Quat, b: Quat) -> Quat {
     unit(InTurn::mul_quat(a, b)).0
 }
 
 /// The shortest rotation from the z axis to a unit vector; for -z, half a turn about x.
-pub(super) fn from_z(direction: [f64; 3]) -> Quat {
+pub(crate) fn from_z(direction: [f64; 3]) -> Quat {
     let (axis, sin) = unit(cross([0.0, 0.0, 1.0], direction));
     let axis = if sin < 1e-10 { [1.0, 0.0, 0.0] } else { axis };
     let (s, c) = libm::sin_cos(libm::atan2(sin, direction[2]) / 2.0);
@@ -210,7 +209,7 @@ fn from_columns(x: [f64; 3], y: [f64; 3], z: [f64; 3]) -> Quat {
     unit(quat).0
 }
 
-pub(super) fn norm(v: &[f64]) -> f64 {
+pub(crate) fn norm(v: &[f64]) -> f64 {
     v.iter().map(|x| x * x).sum::<f64>().sqrt()
 }
 

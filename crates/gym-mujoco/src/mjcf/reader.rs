@@ -27,7 +27,7 @@ const SECTIONS: [&str; 15] = [
 ];
 
 /// Reads a model. Sections may come in any order and repeat.
-pub(super) fn read(files: &Files<'_>, revision: Revision) -> Result<Spec> {
+pub(crate) fn read(files: &Files<'_>, revision: Revision) -> Result<Spec> {
     let mut root = Element::root(files);
     if root.name() != "mujoco" {
         return Err(root.error("not supported: the outermost element is <mujoco>"));

@@ -7,7 +7,7 @@ use super::files::Files;
 use crate::{Error, Result};
 
 /// An element of a model's text, with the attributes that are not read yet.
-pub(super) struct Element<'a, 'input> {
+pub(crate) struct Element<'a, 'input> {
     node: Node<'a, 'input>,
     unread: Vec<Attribute<'a, 'input>>,
     known: Vec<&'static str>,
@@ -20,10 +20,10 @@ pub(super) struct Element<'a, 'input> {
 
 /// The positions at which the lines of a text begin. (`roxmltree` would count lines from the start
 /// of the text for each position.)
-pub(super) struct Lines(Vec<usize>);
+pub(crate) struct Lines(Vec<usize>);
 
 impl Lines {
-    pub(super) fn of(text: &str) -> Self {
+    pub(crate) fn of(text: &str) -> Self {
         Self(
             std::iter::once(0)
                 .chain(text.match_indices('\n').map(|(at, _)| at + 1))
@@ -32,7 +32,7 @@ impl Lines {
     }
 
     /// The line of a position in the text, counted from 1.
-    pub(super) fn at(&self, position: usize) -> u32 {
+    pub(crate) fn at(&self, position: usize) -> u32 {
         self.0.partition_point(|start| *start <= position) as u32
     }
 }
@@ -42,7 +42,7 @@ const MAX_DEPTH: usize = 200;
 
 /// The place of an element in the text, for errors that are found after reading.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub(super) struct Place {
+pub(crate) struct Place {
     /// The path of an included file that contains the element; empty for the text itself.
     file: String,
     line: u32,
@@ -51,7 +51,7 @@ pub(super) struct Place {
 
 impl Place {
     /// An element of a file on a line.
-    pub(super) fn new(file: &str, line: u32, element: &str) -> Self {
+    pub(crate) fn new(file: &str, line: u32, element: &str) -> Self {
         let (file, element) = (file.to_owned(), element.to_owned());
         Self {
             file,
@@ -61,12 +61,12 @@ impl Place {
     }
 
     /// An error about an attribute of this element.
-    pub(super) fn attribute(&self, attribute: &str, reason: impl Into<String>) -> Error {
+    pub(crate) fn attribute(&self, attribute: &str, reason: impl Into<String>) -> Error {
         self.fault(Some(attribute.to_owned()), reason.into())
     }
 
     /// An error about this element.
-    pub(super) fn error(&self, reason: impl Into<String>) -> Error {
+    pub(crate) fn error(&self, reason: impl Into<String>) -> Error {
         self.fault(None, reason.into())
     }
 
@@ -90,7 +90,7 @@ impl Place {
 
 impl<'a, 'input> Element<'a, 'input> {
     /// The outermost element of the text.
-    pub(super) fn root(files: &'a Files<'input>) -> Self {
+    pub(crate) fn root(files: &'a Files<'input>) -> Self {
         Self::new(files.root(0), files, 0, 0)
     }
 
@@ -107,12 +107,12 @@ impl<'a, 'input> Element<'a, 'input> {
     }
 
     /// The name of the element.
-    pub(super) fn name(&self) -> &'a str {
+    pub(crate) fn name(&self) -> &'a str {
         self.node.tag_name().name()
     }
 
     /// The place of the element.
-    pub(super) fn place(&self) -> Place {
+    pub(crate) fn place(&self) -> Place {
         Place::new(self.files.name(self.file), self.line, self.name())
     }
 
@@ -121,7 +121,7 @@ impl<'a, 'input> Element<'a, 'input> {
     ///
     /// # Errors
     /// For an element of another namespace, and for nesting that is too deep.
-    pub(super) fn children(&self) -> Result<Vec<Self>> {
+    pub(crate) fn children(&self) -> Result<Vec<Self>> {
         let mut children = Vec::new();
         self.add_children(self.node, self.file, &mut children)?;
         Ok(children)
@@ -151,7 +151,7 @@ impl<'a, 'input> Element<'a, 'input> {
     }
 
     /// Refuses child elements, and attributes that were not read.
-    pub(super) fn finish_without_children(self) -> Result<()> {
+    pub(crate) fn finish_without_children(self) -> Result<()> {
         if let Some(child) = self.children()?.first() {
             let within = self.name();
             let reason = format!("not supported within <{within}>, which has no elements");
@@ -161,7 +161,7 @@ impl<'a, 'input> Element<'a, 'input> {
     }
 
     /// Refuses attributes that were not read.
-    pub(super) fn finish(self) -> Result<()> {
+    pub(crate) fn finish(self) -> Result<()> {
         let Some(attribute) = self.unread.first() else {
             return Ok(());
         };
@@ -174,12 +174,12 @@ impl<'a, 'input> Element<'a, 'input> {
     }
 
     /// An error about this element.
-    pub(super) fn error(&self, reason: impl Into<String>) -> Error {
+    pub(crate) fn error(&self, reason: impl Into<String>) -> Error {
         self.place().error(reason)
     }
 
     /// The error of a child element that is not supported.
-    pub(super) fn unsupported(&self, child: &Self, supported: &[&str]) -> Error {
+    pub(crate) fn unsupported(&self, child: &Self, supported: &[&str]) -> Error {
         let within = self.name();
         let these = supported.join(", ");
         child.error(format!(
@@ -205,31 +205,31 @@ impl<'a, 'input> Element<'a, 'input> {
     }
 
     /// Skips attributes without effect.
-    pub(super) fn ignore(&mut self, names: &'static str) {
+    pub(crate) fn ignore(&mut self, names: &'static str) {
         for name in names.split(' ') {
             self.take(name);
         }
     }
 
     /// Reads a text. An empty one counts as absent.
-    pub(super) fn text(&mut self, name: &'static str) -> Option<String> {
+    pub(crate) fn text(&mut self, name: &'static str) -> Option<String> {
         self.take(name)
             .map(|attribute| attribute.value().to_owned())
             .filter(|text| !text.is_empty())
     }
 
     /// Reads a text that must be given.
-    pub(super) fn required_text(&mut self, name: &'static str) -> Result<String> {
+    pub(crate) fn required_text(&mut self, name: &'static str) -> Result<String> {
         self.text(name).ok_or_else(|| self.missing(name))
     }
 
     /// The error of an attribute that must be given.
-    pub(super) fn missing(&self, name: &str) -> Error {
+    pub(crate) fn missing(&self, name: &str) -> Error {
         self.place().attribute(name, "missing: it must be given")
     }
 
     /// Reads one of the words of `words`.
-    pub(super) fn keyword<T: Copy>(
+    pub(crate) fn keyword<T: Copy>(
         &mut self,
         name: &'static str,
         words: &[(&str, T)],
@@ -249,12 +249,12 @@ impl<'a, 'input> Element<'a, 'input> {
     }
 
     /// Reads `true` or `false`.
-    pub(super) fn flag(&mut self, name: &'static str) -> Result<Option<bool>> {
+    pub(crate) fn flag(&mut self, name: &'static str) -> Result<Option<bool>> {
         self.keyword(name, &[("false", false), ("true", true)])
     }
 
     /// Reads at most `out.len()` numbers to the start of `out`; returns their number.
-    pub(super) fn up_to(&mut self, name: &'static str, out: &mut [f64]) -> Result<usize> {
+    pub(crate) fn up_to(&mut self, name: &'static str, out: &mut [f64]) -> Result<usize> {
         let Some(attribute) = self.take(name) else {
             return Ok(0);
         };
@@ -276,7 +276,7 @@ impl<'a, 'input> Element<'a, 'input> {
     }
 
     /// Reads exactly `N` numbers.
-    pub(super) fn numbers<const N: usize>(
+    pub(crate) fn numbers<const N: usize>(
         &mut self,
         name: &'static str,
     ) -> Result<Option<[f64; N]>> {
@@ -290,7 +290,7 @@ impl<'a, 'input> Element<'a, 'input> {
     }
 
     /// Reads any number of numbers.
-    pub(super) fn list(&mut self, name: &'static str) -> Result<Option<Vec<f64>>> {
+    pub(crate) fn list(&mut self, name: &'static str) -> Result<Option<Vec<f64>>> {
         let Some(attribute) = self.take(name) else {
             return Ok(None);
         };
@@ -300,13 +300,13 @@ impl<'a, 'input> Element<'a, 'input> {
     }
 
     /// Reads a number.
-    pub(super) fn number(&mut self, name: &'static str) -> Result<Option<f64>> {
+    pub(crate) fn number(&mut self, name: &'static str) -> Result<Option<f64>> {
         self.numbers(name)
             .map(|numbers| numbers.map(|[x]: [f64; 1]| x))
     }
 
     /// Reads a number that must be positive.
-    pub(super) fn positive(&mut self, name: &'static str) -> Result<Option<f64>> {
+    pub(crate) fn positive(&mut self, name: &'static str) -> Result<Option<f64>> {
         let number = self.number(name)?;
         if number.is_some_and(|x| x <= 0.0) {
             return Err(self.place().attribute(name, "must be positive"));
@@ -315,7 +315,7 @@ impl<'a, 'input> Element<'a, 'input> {
     }
 
     /// Reads a number that must not be negative.
-    pub(super) fn non_negative(&mut self, name: &'static str) -> Result<Option<f64>> {
+    pub(crate) fn non_negative(&mut self, name: &'static str) -> Result<Option<f64>> {
         let number = self.number(name)?;
         if number.is_some_and(|x| x < 0.0) {
             return Err(self.place().attribute(name, "must not be negative"));
@@ -324,13 +324,13 @@ impl<'a, 'input> Element<'a, 'input> {
     }
 
     /// Changes `value` to an attribute that must not be negative.
-    pub(super) fn set_non_negative(&mut self, name: &'static str, value: &mut f64) -> Result<()> {
+    pub(crate) fn set_non_negative(&mut self, name: &'static str, value: &mut f64) -> Result<()> {
         *value = self.non_negative(name)?.unwrap_or(*value);
         Ok(())
     }
 
     /// Changes `value` to the meaning of an attribute that is one of `words`.
-    pub(super) fn set_keyword<T: Copy>(
+    pub(crate) fn set_keyword<T: Copy>(
         &mut self,
         name: &'static str,
         words: &[(&str, T)],
@@ -341,7 +341,7 @@ impl<'a, 'input> Element<'a, 'input> {
     }
 
     /// Reads a whole number.
-    pub(super) fn integer<T: TryFrom<i64>>(&mut self, name: &'static str) -> Result<Option<T>> {
+    pub(crate) fn integer<T: TryFrom<i64>>(&mut self, name: &'static str) -> Result<Option<T>> {
         let Some(attribute) = self.take(name) else {
             return Ok(None);
         };

@@ -7,7 +7,7 @@
 use std::ops::Range;
 
 use super::{CompiledModel, GeomType};
-use crate::physics::spatial::{EPS, Quat, Vec3, rotate_quat, sub};
+use crate::math::spatial::{EPS, Quat, Vec3, rotate_quat, sub};
 
 /// The centre and the half sizes of a box.
 pub(crate) type Bounds = [Vec3; 2];

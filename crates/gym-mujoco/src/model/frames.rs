@@ -3,7 +3,7 @@
 use std::ops::Range;
 
 use super::{CompiledModel, JointType};
-use crate::physics::spatial::MINVAL;
+use crate::math::spatial::MINVAL;
 
 /// The constants of a body.
 #[derive(Clone, Debug)]

@@ -1,7 +1,7 @@
 //! Contact parameters mixed from the two geoms.
 
 use super::CompiledModel;
-use crate::physics::spatial::MINVAL;
+use crate::math::spatial::MINVAL;
 
 /// The parameters of a contact.
 #[derive(Clone, Copy, Debug)]

@@ -4,22 +4,9 @@
 //! `mjModel`, so that the two can be compared directly. [`Model`] is a checked [`CompiledModel`];
 //! the engine accepts only this.
 
-/// Returns an error with this text unless the condition holds.
-macro_rules! ensure {
-    ($condition:expr, $($text:tt)+) => {
-        if !$condition {
-            return Err($crate::Error::Model(format!($($text)+)));
-        }
-    };
-}
-
 mod actuators;
 pub(crate) mod bounds;
-mod check;
-mod complete;
-mod constants;
 mod constraints;
-mod features;
 mod frames;
 mod kinds;
 mod lookup;
@@ -36,10 +23,7 @@ use std::ops::Deref;
 
 use serde::{Deserialize, Serialize};
 
-use crate::{Error, Result};
-pub use complete::{Fluid, Parameters};
-pub(crate) use complete::{SOLIMP, SOLREF};
-pub(crate) use constants::{body_sizes, bounding_radius, mark_simple, with_constants};
+use crate::Result;
 pub(crate) use constraints::{Equality, Scalar};
 pub(crate) use frames::{Base, Pose, same, same_quat};
 pub use kinds::{
@@ -51,8 +35,9 @@ pub(crate) use plan::{Bounds, Limit, Plan};
 pub use revision::Revision;
 pub use sensors::SensorType;
 pub(crate) use sensors::{About, Stage};
-pub(crate) use softness::Softness;
-pub use types::{Disable, Names, Options, Statistics};
+pub(crate) use softness::{SOLIMP, SOLREF, Softness};
+pub(crate) use types::padded;
+pub use types::{Disable, Fluid, Names, Options, Parameters, Statistics};
 
 /// A checked [`CompiledModel`], with the engine's precomputed data.
 ///
@@ -66,15 +51,8 @@ pub struct Model {
 }
 
 impl Model {
-    /// Checks the model, and precomputes what the engine needs.
-    ///
-    /// # Errors
-    /// [`Error::Model`] if arrays have different lengths, ids point nowhere, numbers are not
-    /// finite, or the model needs an unsupported feature; the message names the array and the
-    /// element.
-    pub fn new(mut compiled: CompiledModel) -> Result<Self> {
-        compiled.complete();
-        check::check(&compiled)?;
+    /// Precomputes what the engine needs of a model that was checked.
+    pub(crate) fn planned(compiled: CompiledModel) -> Result<Self> {
         let plan = Plan::new(&compiled)?;
         Ok(Self { compiled, plan })
     }
@@ -95,14 +73,6 @@ impl Deref for Model {
 
     fn deref(&self) -> &CompiledModel {
         &self.compiled
-    }
-}
-
-impl TryFrom<CompiledModel> for Model {
-    type Error = Error;
-
-    fn try_from(compiled: CompiledModel) -> Result<Self> {
-        Self::new(compiled)
     }
 }
 

@@ -14,7 +14,7 @@ use super::{
     actuators,
 };
 use crate::Result;
-use crate::physics::spatial::MINVAL;
+use crate::math::spatial::MINVAL;
 
 /// Precomputed structure of a model.
 #[derive(Clone, Debug)]

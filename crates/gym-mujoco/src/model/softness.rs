@@ -1,7 +1,12 @@
 //! The softness of constraints: MuJoCo's solver parameters `solref` and `solimp`.
 
 use super::{Disable, Options};
-use crate::physics::spatial::MINVAL;
+use crate::math::spatial::MINVAL;
+
+/// The default reference of constraints: time constant, damping ratio.
+pub(crate) const SOLREF: [f64; 2] = [0.02, 1.0];
+/// The default impedance of constraints: dmin, dmax, width, midpoint, power.
+pub(crate) const SOLIMP: [f64; 5] = [0.9, 0.95, 0.001, 0.5, 2.0];
 
 /// Impedances are clamped to this range: MuJoCo's `mjMINIMP` and `mjMAXIMP`.
 const IMPEDANCE: [f64; 2] = [1e-4, 0.9999];

@@ -173,3 +173,43 @@ pub struct Names {
     /// Keyframes.
     pub key: Vec<Option<String>>,
 }
+
+/// Parameters of an actuator's dynamics, gain or bias: ten numbers. A serialised list may be
+/// shorter; the missing numbers are zero.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(from = "Vec<f64>")]
+pub struct Parameters(pub [f64; 10]);
+
+impl From<Vec<f64>> for Parameters {
+    fn from(numbers: Vec<f64>) -> Self {
+        Self(padded(&numbers))
+    }
+}
+
+/// The first `N` numbers of a list; zeros after its end.
+pub(crate) fn padded<const N: usize>(numbers: &[f64]) -> [f64; N] {
+    std::array::from_fn(|k| numbers.get(k).copied().unwrap_or(0.0))
+}
+
+/// Fluid coefficients of a geom: 1 for the ellipsoid model (else 0), five coefficients, virtual
+/// masses and virtual moments. A serialised list may be shorter; the missing numbers are zero.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(from = "Numbers")]
+pub struct Fluid(pub [f64; 12]);
+
+/// A number or a list of numbers.
+#[derive(Deserialize)]
+#[serde(untagged)]
+enum Numbers {
+    One(f64),
+    Several(Vec<f64>),
+}
+
+impl From<Numbers> for Fluid {
+    fn from(numbers: Numbers) -> Self {
+        Self(match numbers {
+            Numbers::One(number) => padded(&[number]),
+            Numbers::Several(numbers) => padded(&numbers),
+        })
+    }
+}

@@ -1,8 +1,9 @@
 //! Actuator forces and activations.
 
 use super::muscle;
+use crate::math::libm;
 use crate::model::{BiasType, Disable, DynamicsType, GainType, JointType, TransmissionType};
-use crate::{Data, Model, libm};
+use crate::{Data, Model};
 
 /// Controls and positions beyond this bound count as errors: MuJoCo's `mjMAXVAL`.
 pub(crate) const MAXVAL: f64 = 1e10;

@@ -2,9 +2,9 @@
 //! weld constraints: MuJoCo's `mj_Jdotv`.
 
 use super::constraint::Source;
-use super::dense::sum_of_columns;
 use super::rows::{anchors, mul_quat_axis, orientations};
-use super::spatial::{
+use crate::math::dense::sum_of_columns;
+use crate::math::spatial::{
     InTurn, Order, Pairwise, Quat, Vec3, add, cross, cross_motion, rotation, sub, transform_motion,
     translation,
 };

@@ -1,7 +1,7 @@
 //! Spatial inertias and motion axes about the centres of mass of the trees.
 
-use super::number::{self, Number, get, put};
-use super::spatial::{add, column, cross, inertia_at, join, scale, sub};
+use crate::math::number::{self, Number, get, put};
+use crate::math::spatial::{add, column, cross, inertia_at, join, scale, sub};
 use crate::model::JointType;
 use crate::{Data, Model};
 

@@ -8,11 +8,11 @@
 //! [`dense`](super::dense).
 
 use super::bias;
-use super::dense::{self, Lanes};
-use super::number::Number;
 use super::rows;
-use super::spatial::{add, cross, dot, rotate, sub};
-use crate::libm;
+use crate::math::dense::{self, Lanes};
+use crate::math::libm;
+use crate::math::number::Number;
+use crate::math::spatial::{add, cross, dot, rotate, sub};
 use crate::model::{Bounds, Cone, Disable, Pair, Softness};
 use crate::{Data, Model};
 

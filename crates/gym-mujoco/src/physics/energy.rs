@@ -2,9 +2,9 @@
 
 use super::inertia::multiply;
 use super::passive::stretch;
-use super::spatial::{InTurn, Order, Pairwise, Vec3, dot, norm, sub};
+use crate::math::dense::dot_slices;
+use crate::math::spatial::{InTurn, Order, Pairwise, Vec3, dot, norm, sub};
 use crate::model::{Disable, JointType};
-use crate::physics::dense::dot_slices;
 use crate::{Data, Model, Revision};
 
 /// The potential energy of gravity and springs: MuJoCo's `mj_energyPos`.

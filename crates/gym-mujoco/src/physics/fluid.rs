@@ -4,7 +4,7 @@ use std::f64::consts::PI;
 
 use super::jacobian::apply;
 use super::sensor::object_velocity;
-use super::spatial::{
+use crate::math::spatial::{
     MINVAL, Vec3, add, cross, norm, rotate, rotate_back, rotation, scale, sub, translation,
 };
 use crate::model::{Fluid, GeomType, ObjectType};

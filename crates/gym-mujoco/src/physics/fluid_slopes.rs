@@ -7,7 +7,7 @@ use super::fluid::{largest_axes, moment_of, semiaxes};
 use super::implicit::Mat6;
 use super::jacobian::moves_at;
 use super::sensor::object_velocity;
-use super::spatial::{
+use crate::math::spatial::{
     MINVAL, Mat3, Vec3, Vec6, join, norm, rotate_back, rotation, scale, sub, translation,
 };
 use crate::model::{Integrator, ObjectType};

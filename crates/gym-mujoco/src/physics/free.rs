@@ -5,7 +5,9 @@
 use std::ops::Range;
 
 use super::implicit::Mat6;
-use super::spatial::{MINVAL, Mat3, Vec3, Vec6, column, cross, dot, rotate, rotate_back, sub};
+use crate::math::spatial::{
+    MINVAL, Mat3, Vec3, Vec6, column, cross, dot, rotate, rotate_back, sub,
+};
 use crate::{Data, Model, Revision};
 
 /// The equations of a free body.

@@ -1,13 +1,13 @@
 //! Integrators that are implicit in velocities: MuJoCo's `implicit` and `implicitfast`.
 
 use super::actuation::{disabled, next};
-use super::dense::dot_sparse;
 use super::free::Free;
 use super::inertia::{factor_damped, solve as solve_m};
-use super::spatial::{Vec6, dot6, mul_inertia};
 use super::tendon::pulling;
 use super::velocity::joints;
 use super::{fluid_slopes, muscle};
+use crate::math::dense::dot_sparse;
+use crate::math::spatial::{Vec6, dot6, mul_inertia};
 use crate::model::{BiasType, Disable, GainType, Integrator, JointType, TransmissionType};
 use crate::{Data, Model, Revision};
 
@@ -355,7 +355,7 @@ fn product(a: &Mat6, b: &Mat6) -> Mat6 {
     })
 }
 
-/// The derivative of [`cross_motion`](super::spatial::cross_motion) by its first factor.
+/// The derivative of [`cross_motion`](crate::math::spatial::cross_motion) by its first factor.
 fn motion_by_velocity(v: &Vec6) -> Mat6 {
     let [a, b, c, x, y, z] = *v;
     [
@@ -368,7 +368,7 @@ fn motion_by_velocity(v: &Vec6) -> Mat6 {
     ]
 }
 
-/// The derivative of [`cross_force`](super::spatial::cross_force) by the motion.
+/// The derivative of [`cross_force`](crate::math::spatial::cross_force) by the motion.
 fn force_by_velocity(f: &Vec6) -> Mat6 {
     let [a, b, c, x, y, z] = *f;
     [
@@ -381,7 +381,7 @@ fn force_by_velocity(f: &Vec6) -> Mat6 {
     ]
 }
 
-/// The derivative of [`cross_force`](super::spatial::cross_force) by the force.
+/// The derivative of [`cross_force`](crate::math::spatial::cross_force) by the force.
 fn force_by_force(v: &Vec6) -> Mat6 {
     let [a, b, c, x, y, z] = *v;
     [

@@ -7,9 +7,9 @@
 
 use std::ops::Range;
 
-use super::dense::{self, Lanes, minus, plus, times};
-use super::number::{Number, get, put};
-use super::spatial::{Vec6, dot6, mul_inertia};
+use crate::math::dense::{self, Lanes, minus, plus, times};
+use crate::math::number::{Number, get, put};
+use crate::math::spatial::{Vec6, dot6, mul_inertia};
 use crate::model::Plan;
 use crate::{Data, Model};
 

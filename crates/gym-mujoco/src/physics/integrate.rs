@@ -4,10 +4,10 @@ use std::f64::consts::PI;
 
 use super::actuation::advance;
 use super::inertia::{add_damping, factor_damped, solve};
-use super::number::Number;
-use super::spatial::{InTurn, Order, Pairwise, Vec3, add_scaled, cross, dot, scale};
 use super::{evaluate, implicit};
-use crate::libm::{self, wide};
+use crate::math::libm::{self, wide};
+use crate::math::number::Number;
+use crate::math::spatial::{InTurn, Order, Pairwise, Vec3, add_scaled, cross, dot, scale};
 use crate::model::{Integrator, JointType};
 use crate::{Data, Model, Revision};
 

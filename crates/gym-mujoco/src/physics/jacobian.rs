@@ -1,6 +1,6 @@
 //! Jacobians of points of bodies.
 
-use super::spatial::{Vec3, add, cross, rotation, sub, translation};
+use crate::math::spatial::{Vec3, add, cross, rotation, sub, translation};
 use crate::{Data, Model};
 
 /// The velocity of `point` per unit velocity of `dof`, which moves `body`.

@@ -1,7 +1,7 @@
 //! Positions and orientations of bodies, joints, geoms and sites.
 
-use super::number::{self, Number, get, put};
-use super::spatial::{
+use crate::math::number::{self, Number, get, put};
+use crate::math::spatial::{
     InTurn, Order, Pairwise, add, add_scaled, axis_angle, rotate, rotate_quat, sub,
 };
 use crate::model::{Base, JointType, Pose};

@@ -53,7 +53,7 @@ mod collision;
 mod com;
 mod constraint;
 mod contact_force;
-pub(crate) mod dense;
+mod data;
 mod energy;
 mod fluid;
 mod fluid_slopes;
@@ -70,14 +70,12 @@ mod kinematics;
 )]
 pub(crate) mod lanes;
 mod muscle;
-pub(crate) mod number;
 mod passive;
 mod post_constraint;
 mod ray;
 mod rows;
 mod sensor;
 mod solver;
-pub(crate) mod spatial;
 mod tendon;
 mod transmission;
 mod velocity;
@@ -89,6 +87,8 @@ pub use collision::collision;
 pub use com::com_pos;
 pub use constraint::{Constraints, make_constraint, reference_constraint};
 pub use contact_force::contact_force;
+pub(crate) use data::arrays;
+pub use data::{Contact, Data};
 pub use energy::energy;
 pub use inertia::{crb, factor_m, full_m, mul_m, solve_m};
 pub use integrate::{euler, integrate_pos, runge_kutta};
@@ -107,9 +107,9 @@ pub(crate) use work::Work;
 
 use serde::{Deserialize, Serialize};
 
-use crate::libm::wide;
+use crate::Model;
+use crate::math::libm::wide;
 use crate::model::{Integrator, Stage};
-use crate::{Data, Model};
 pub(crate) use actuation::MAXVAL;
 
 /// The functions that compute everything that follows from a state.

@@ -2,7 +2,7 @@
 //! lmin, lmax, vmax, fpmax and fvmax. The parameters of the dynamics are the time constants of
 //! activation and deactivation, and the width of the transition between them.
 
-use super::spatial::MINVAL;
+use crate::math::spatial::MINVAL;
 use crate::{Data, Model};
 
 /// The peak force, and the optimal fibre length.

@@ -4,8 +4,8 @@ use std::f64::consts::PI;
 
 use super::fluid::ellipsoids;
 use super::jacobian::apply;
-use super::number::{Number, get, of};
-use super::spatial::{
+use crate::math::number::{Number, get, of};
+use crate::math::spatial::{
     InTurn, Order, Pairwise, add, cross, dot, rotate, rotate_back, rotation, scale, sub,
     translation, velocity_at,
 };

@@ -4,11 +4,11 @@ use super::constraint::Source;
 use super::contact_force::force_of;
 use super::passive::tendon_spring_force;
 use super::rows;
-use super::spatial::{
-    Vec3, add_to, cross, cross_force, join, mul_inertia, rotate_back, scale, sub,
-};
 use super::tendon::{along_path, pulling};
 use super::velocity::{along, dofs};
+use crate::math::spatial::{
+    Vec3, add_to, cross, cross_force, join, mul_inertia, rotate_back, scale, sub,
+};
 use crate::model::EqualityType;
 use crate::{Contact, Data, Model, Revision};
 

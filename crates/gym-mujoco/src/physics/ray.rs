@@ -1,6 +1,6 @@
 //! Intersections of rays with geoms.
 
-use super::spatial::{MINVAL, Mat3, Vec3, dot, rotate_back, sub};
+use crate::math::spatial::{MINVAL, Mat3, Vec3, dot, rotate_back, sub};
 use crate::model::GeomType;
 use crate::{Data, Model};
 

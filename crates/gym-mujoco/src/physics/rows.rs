@@ -3,9 +3,9 @@
 //! others.
 
 use super::constraint::{Constraints, Kind, Source, push_block, push_row, push_rows, set_row};
-use super::dense::dot_slices;
 use super::jacobian::moves_apart;
-use super::spatial::{
+use crate::math::dense::dot_slices;
+use crate::math::spatial::{
     InTurn, Order, Pairwise, Quat, Vec3, add, dot, normalize, quat_to_velocity, rotate, rotation,
     scale, sub,
 };
@@ -354,7 +354,10 @@ pub(super) fn contact(
         let c = &cdof[column.dof];
         let offset = sub(contact.pos, com[column.root]);
         let spin = rotation(c);
-        let moves = add([c[3], c[4], c[5]], super::spatial::cross(spin, offset));
+        let moves = add(
+            [c[3], c[4], c[5]],
+            crate::math::spatial::cross(spin, offset),
+        );
         let frame = &contact.frame;
         let along = if dim == 1 {
             [dot([frame[0], frame[1], frame[2]], moves), 0.0, 0.0]

@@ -4,12 +4,12 @@ use super::contact_force::contact_force;
 use super::energy::{computed, kinetic, potential};
 use super::post_constraint::rne_post_constraint;
 use super::ray::{ray, ray_shape};
-use super::spatial::{
+use super::tendon::pulling;
+use crate::math::spatial::{
     InTurn, MINVAL, Mat3, Order, Pairwise, Quat, Vec3, Vec6, add, column, cross, join, normalize,
     rotate, rotate_back, rotate_back6, rotation, scale, sub, transform_force, transform_motion,
     translation,
 };
-use super::tendon::pulling;
 use crate::model::{Disable, ObjectType, SensorType, Stage};
 use crate::physics::constraint::Source;
 use crate::{Contact, Data, Model, Revision};

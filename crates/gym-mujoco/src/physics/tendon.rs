@@ -1,9 +1,9 @@
 //! Lengths, Jacobians and velocities of tendons.
 
-use super::dense::dot_sparse;
 use super::jacobian::{moves_apart, sum_along};
-use super::spatial::{Vec3, norm, normalize, sub};
 use super::wrap::{Obstacle, wrap};
+use crate::math::dense::dot_sparse;
+use crate::math::spatial::{Vec3, norm, normalize, sub};
 use crate::model::{TransmissionType, WrapType};
 use crate::{Data, Model};
 

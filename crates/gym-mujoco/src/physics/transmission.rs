@@ -2,9 +2,9 @@
 
 use std::ops::Range;
 
-use super::dense::dot_sparse;
 use super::jacobian::{moves_at, sum_along};
-use super::spatial::{
+use crate::math::dense::dot_sparse;
+use crate::math::spatial::{
     InTurn, Order, Pairwise, Quat, Vec3, dot, quat_to_velocity, rotate, rotate_back, rotate_quat,
     rotation, sub,
 };

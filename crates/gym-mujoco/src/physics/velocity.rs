@@ -3,8 +3,8 @@
 
 use std::ops::Range;
 
-use super::number::{self, Number, get, put};
-use super::spatial::{add_to, cross_force, cross_motion, dot6, mul_inertia};
+use crate::math::number::{self, Number, get, put};
+use crate::math::spatial::{add_to, cross_force, cross_motion, dot6, mul_inertia};
 use crate::model::JointType;
 use crate::{Data, Model};
 

@@ -1,12 +1,12 @@
 //! Buffers of a forward call. No value passes from one call to the next.
 
 use super::collision::Polytope;
-use super::dense::{self, Lanes};
 use super::implicit;
 use super::inertia::Way;
 use super::solver::{Island, buffers, pgs};
 use super::transmission::Moments;
 use crate::Model;
+use crate::math::dense::{self, Lanes};
 use crate::model::Cone;
 
 /// Buffers, allocated once.

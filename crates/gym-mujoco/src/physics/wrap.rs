@@ -2,10 +2,11 @@
 
 use std::f64::consts::{FRAC_PI_2, PI};
 
-use super::spatial::{
+use crate::Revision;
+use crate::math::libm;
+use crate::math::spatial::{
     MINVAL, Mat3, Vec3, add, cross, dot, norm, normalize, rotate, rotate_back, scale, sub,
 };
-use crate::{Revision, libm};
 
 type Vec2 = [f64; 2];
 

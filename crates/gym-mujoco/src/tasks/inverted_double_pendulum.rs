@@ -26,9 +26,10 @@ use super::arguments::{Common, TaskArguments};
 use super::env::{self, Visit};
 use super::simulation::{Simulation, normal_noise, uniform_noise};
 use super::{InvertedDoublePendulum, clip};
+use crate::Data;
+use crate::math::libm;
 use crate::physics::lanes::Derived;
 use crate::view::CameraConfig;
-use crate::{Data, libm};
 
 const LIMIT: f64 = 10.0; // of observed velocities and forces
 

@@ -26,8 +26,9 @@ use super::env::{self, Visit};
 use super::numpy::norm;
 use super::simulation::{Simulation, uniform_noise, uniform_velocities};
 use super::{Reacher, clip};
+use crate::Data;
+use crate::math::libm;
 use crate::view::CameraConfig;
-use crate::{Data, libm};
 
 const REACH: f64 = 0.2; // m, how far away the target can be
 const ANGLE_NOISE: f64 = 0.1;

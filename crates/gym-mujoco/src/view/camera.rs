@@ -2,8 +2,8 @@
 
 use gym_core::canvas::Point;
 
-use crate::libm;
-use crate::physics::spatial::{Mat3, Vec3, add_scaled, column, cross, dot, norm, scale, sub};
+use crate::math::libm;
+use crate::math::spatial::{Mat3, Vec3, add_scaled, column, cross, dot, norm, scale, sub};
 
 /// The near plane in m: points nearer than this are not drawn.
 pub(super) const NEAR: f64 = 0.02;

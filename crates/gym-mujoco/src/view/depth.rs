@@ -4,9 +4,9 @@ use std::ops::Range;
 
 use super::camera::{Camera, NEAR};
 use super::{View, color_of, floor_of, is_wall};
+use crate::math::spatial::{Vec3, add_scaled, dot, sub};
 use crate::model::GeomType;
 use crate::physics::ray_shape;
-use crate::physics::spatial::{Vec3, add_scaled, dot, sub};
 use crate::{Data, Model};
 
 /// The far plane, in extents of the model: MuJoCo's `zfar`. Surfaces beyond it are not shown.

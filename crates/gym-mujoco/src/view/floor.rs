@@ -5,9 +5,10 @@ use gym_core::canvas::{Canvas, Color, Point, Segment, Shape};
 use super::camera::{Camera, NEAR};
 use super::shapes::lit;
 use super::{Scene, color_of};
+use crate::math::libm;
+use crate::math::spatial::{Vec3, add_scaled, column, dot, sub};
 use crate::model::GeomType;
-use crate::physics::spatial::{Vec3, add_scaled, column, dot, sub};
-use crate::{Data, Model, libm};
+use crate::{Data, Model};
 
 const ZENITH: Color = Color::rgb(96, 142, 190);
 const HORIZON: Color = Color::rgb(226, 236, 244);

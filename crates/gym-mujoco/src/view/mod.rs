@@ -11,8 +11,8 @@ use gym_core::{Error, Result};
 use serde::{Deserialize, Serialize};
 
 use self::camera::Camera;
+use crate::math::spatial::{InTurn, Mat3, Order, Vec3, add, rotate, sub};
 use crate::model::GeomType;
-use crate::physics::spatial::{InTurn, Mat3, Order, Vec3, add, rotate, sub};
 use crate::physics::{com_pos, kinematics};
 use crate::tasks::Common;
 use crate::{Data, Model};

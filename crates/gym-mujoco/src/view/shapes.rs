@@ -9,9 +9,9 @@ use gym_core::canvas::{Canvas, Color, Point};
 use super::camera::{Camera, NEAR};
 use super::floor::blend;
 use super::{Scene, color_of, rgba, solids};
-use crate::libm;
+use crate::math::libm;
+use crate::math::spatial::{Vec3, add, add_scaled, column, dot, scale, sub};
 use crate::model::{GeomType, WrapType};
-use crate::physics::spatial::{Vec3, add, add_scaled, column, dot, scale, sub};
 
 /// The direction to the light: above, and a little to the left and the front of most cameras.
 pub(super) const LIGHT: Vec3 = [-0.37, -0.46, 0.81];

@@ -5,8 +5,8 @@ use gym_core::canvas::{Canvas, Color, Point};
 use super::Scene;
 use super::camera::NEAR;
 use super::shapes::{LAYERS, LIGHT, lit, shade};
-use crate::libm;
-use crate::physics::spatial::{
+use crate::math::libm;
+use crate::math::spatial::{
     Vec3, add, add_scaled, column, cross, dot, normalize, rotate, rotate_back, scale, sub,
 };
 

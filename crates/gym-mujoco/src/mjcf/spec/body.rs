@@ -2,9 +2,9 @@
 
 use super::{Frame, Geom, Joint, Site, replace};
 use crate::Result;
+use crate::math::spatial::EPS;
 use crate::mjcf::orientation::{Orientation, norm};
 use crate::mjcf::xml::{Element, Place};
-use crate::physics::spatial::EPS;
 
 /// A body and its parts.
 #[derive(Debug, Default)]

@@ -2,10 +2,10 @@
 
 use super::{GREY, LIMITED, SOLIMP, SOLREF, read_condim, read_solref, replace, replace_some};
 use crate::Result;
+use crate::math::spatial::EPS;
 use crate::mjcf::orientation::{Orientation, norm};
 use crate::mjcf::xml::{Element, Place};
 use crate::model::{GeomType, JointType};
-use crate::physics::spatial::EPS;
 
 /// The position and the quaternion of an element `frame`, relative to its body.
 pub(crate) type Frame = ([f64; 3], [f64; 4]);

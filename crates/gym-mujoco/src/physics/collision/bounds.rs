@@ -9,9 +9,9 @@
 //! positions of all geoms. It is not repeated here. It matters rarely: of 180,000 random poses of
 //! two bodies that touch up to rounding, it dropped contacts in 13 of 3,600 groups of 50.
 
-use super::super::spatial::{Mat3, Vec3, add, column, dot, rotate};
 use super::Shape;
 use crate::Model;
+use crate::math::spatial::{Mat3, Vec3, add, column, dot, rotate};
 use crate::model::bounds::{Bounds, bounding_box, meetings};
 use crate::model::{GeomType, Pair};
 use crate::physics::MAXVAL;

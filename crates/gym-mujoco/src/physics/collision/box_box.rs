@@ -2,10 +2,10 @@
 //! products of the edges, then the part of one face above the other, or the nearest points of two
 //! edges: MuJoCo's `mjc_BoxBox`.
 
-use super::super::spatial::{
+use super::{Hit, Push, Shape};
+use crate::math::spatial::{
     MINVAL, Mat3, Vec3, add, add_scaled, dot, normalize, rotate, rotate_back, scale, sub,
 };
-use super::{Hit, Push, Shape};
 
 /// Added to the margin in the separation test, beside a slack that grows with the boxes.
 const SEPARATION: f64 = 1e-13;

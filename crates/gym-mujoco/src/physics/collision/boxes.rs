@@ -1,9 +1,9 @@
 //! Boxes against planes and spheres, and spheres against cylinders.
 
-use super::super::spatial::{
+use super::{Hit, Push, Shape, spheres};
+use crate::math::spatial::{
     MINVAL, Vec3, add, add_scaled, dot, normalize, rotate, rotate_back, scale, sub,
 };
-use super::{Hit, Push, Shape, spheres};
 
 /// Contacts at the lowest corners, at most four.
 pub(super) fn plane_box(plane: Shape<'_>, cuboid: Shape<'_>, margin: f64, push: Push<'_>) {

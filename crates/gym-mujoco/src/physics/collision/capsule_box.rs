@@ -1,9 +1,9 @@
 //! Capsules against boxes: a sphere at the point of the segment nearest to the box, and a second
 //! one if the capsule lies along a face or an edge: MuJoCo's `mjc_CapsuleBox`.
 
-use super::super::spatial::{MINVAL, Vec3, add, add_scaled, dot, rotate, rotate_back, scale, sub};
 use super::boxes::sphere_box;
 use super::{Push, Shape};
+use crate::math::spatial::{MINVAL, Vec3, add, add_scaled, dot, rotate, rotate_back, scale, sub};
 
 /// The part of the box that is nearest to the segment.
 #[derive(Clone, Copy)]

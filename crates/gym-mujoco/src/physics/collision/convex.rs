@@ -3,14 +3,14 @@
 //! margin. The distance of the cores gives the contact. If the cores overlap, the whole shapes are
 //! compared.
 
-use super::super::spatial::{
-    InTurn, MINVAL, Mat3, Order, Vec3, add, add_scaled, axis_angle, column, dot, norm, normalize,
-    rotate, rotate_back, scale, sub,
-};
 use super::epa::Polytope;
 use super::gjk::{self, Vertex};
 use super::{Hit, Push, Shape, frame};
 use crate::Revision;
+use crate::math::spatial::{
+    InTurn, MINVAL, Mat3, Order, Vec3, add, add_scaled, axis_angle, column, dot, norm, normalize,
+    rotate, rotate_back, scale, sub,
+};
 use crate::model::GeomType;
 
 /// The angle by which shapes are turned to find further contacts, in radians.

@@ -5,9 +5,9 @@
 //! It repeats MuJoCo's `engine_collision_gjk` operation by operation, down to the order of the list
 //! of faces, which decides between faces that are equally near.
 
-use super::super::spatial::{MINVAL, Mat3, Vec3, add, cross, dot, norm, rotate, scale, sub};
 use super::gjk::{Found, ITERATIONS, LEAST, TOLERANCE, Vertex, project, weights_at};
 use crate::Revision;
+use crate::math::spatial::{MINVAL, Mat3, Vec3, add, cross, dot, norm, rotate, scale, sub};
 
 /// The largest number of faces.
 const FACES: usize = 6 * ITERATIONS;

@@ -1,10 +1,10 @@
 //! Faces and edges of boxes and cylinders, and the edge of a capsule, near a contact.
 
-use super::super::spatial::{
-    MINVAL, Mat3, Vec3, add, add_scaled, dot, norm, normalize, rotate, rotate_back, scale, sub,
-};
 use super::Shape;
 use super::convex::Solid;
+use crate::math::spatial::{
+    MINVAL, Mat3, Vec3, add, add_scaled, dot, norm, normalize, rotate, rotate_back, scale, sub,
+};
 use crate::model::GeomType;
 
 /// The number of sides of the polygon that approximates an end of a cylinder.

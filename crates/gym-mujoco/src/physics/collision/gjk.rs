@@ -5,8 +5,8 @@
 //! It repeats MuJoCo's `engine_collision_gjk` operation by operation: if sets touch, the number of
 //! iterations depends on the last bit.
 
-use super::super::spatial::{MINVAL, Vec3, add_scaled, cross, dot, norm, scale, sub};
 use crate::Revision;
+use crate::math::spatial::{MINVAL, Vec3, add_scaled, cross, dot, norm, scale, sub};
 
 /// MuJoCo's `ccd_tolerance`.
 pub(super) const TOLERANCE: f64 = 1e-6;

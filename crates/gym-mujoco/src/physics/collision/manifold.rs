@@ -2,14 +2,14 @@
 //! lies on a face of the other shape, the function clips the incident face or edge by the sides of
 //! the other face. Up to four points of the result are the contacts.
 
-use super::super::spatial::{
-    MINVAL, Vec3, add, add_scaled, cross, dot, norm, normalize, scale, sub,
-};
 use super::Push;
 use super::convex::{Solid, Touch, one};
 use super::epa::Polytope;
 use super::features::{Dimension, Edge, Face, Few, edges, faces, outline};
 use crate::Revision;
+use crate::math::spatial::{
+    MINVAL, Vec3, add, add_scaled, cross, dot, norm, normalize, scale, sub,
+};
 use crate::model::GeomType;
 
 /// The greatest sine of the angle between two directions that count as parallel.

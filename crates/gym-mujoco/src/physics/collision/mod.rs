@@ -14,8 +14,10 @@ mod gjk;
 mod manifold;
 mod primitive;
 
-use super::number::{self, Number};
-use super::spatial::{Mat3, Vec3, add_scaled, column, cross, dot, norm, normalize, sub, unit};
+use crate::math::number::{self, Number};
+use crate::math::spatial::{
+    Mat3, Vec3, add_scaled, column, cross, dot, norm, normalize, sub, unit,
+};
 use crate::model::{Disable, GeomType, Pair, Reach};
 use crate::{Contact, Data, Model, Revision};
 pub(in crate::physics) use bounds::{Frame, ROUNDING};
@@ -220,10 +222,10 @@ fn spheres(c1: Vec3, r1: f64, c2: Vec3, r2: f64, axes: (Vec3, Vec3), margin: f64
     if dist > margin {
         return None;
     }
-    let normal = if distance < super::spatial::MINVAL {
+    let normal = if distance < crate::math::spatial::MINVAL {
         normalize(cross(axes.0, axes.1)).0
     } else {
-        super::spatial::scale(between, 1.0 / distance)
+        crate::math::spatial::scale(between, 1.0 / distance)
     };
     Some(Hit {
         dist,

@@ -1,11 +1,11 @@
 //! Pairs of shapes whose contacts have a closed form.
 
-use super::super::number::Number;
-use super::super::spatial::{
-    MINVAL, Vec3, add, add_scaled, column, cross, dot, norm, normalize, scale, sub,
-};
 use super::{Hit, Push, Shape, spheres};
 use crate::Revision;
+use crate::math::number::Number;
+use crate::math::spatial::{
+    MINVAL, Vec3, add, add_scaled, column, cross, dot, norm, normalize, scale, sub,
+};
 
 /// The distance of a sphere from a plane, and their contact point.
 #[inline(always)]

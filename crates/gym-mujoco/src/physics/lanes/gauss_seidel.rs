@@ -5,7 +5,7 @@ use fearless_simd::Simd;
 use gym_core::math::{Lanes, Real};
 
 use super::{Arrays, Place, Row, Rows, copy, load, same, store, tree};
-use crate::libm::wide;
+use crate::math::libm::wide;
 use crate::physics::solver::forces_of_one_tree;
 use crate::{Data, Model};
 

@@ -13,9 +13,9 @@ use gym_core::math::{Lanes, Real};
 use super::rows::{Rows, worlds};
 use super::tree::{cholesky, cholesky_solve, cholesky_update, dot, multiply, solve};
 use super::{Arrays, Place, Row, WORLDS, load, same, store};
+use crate::math::spatial::MINVAL;
 use crate::model::{Disable, Solver};
 use crate::physics::solver::line_search;
-use crate::physics::spatial::MINVAL;
 use crate::{Model, Revision};
 
 type Mask<S> = <Lanes<S> as Real>::Mask;

@@ -3,7 +3,7 @@
 use fearless_simd::Simd;
 use gym_core::math::{Lanes, Real};
 
-use crate::physics::number::Number;
+use crate::math::number::Number;
 
 /// The largest number of worlds that step together.
 pub(crate) const WORLDS: usize = 8;

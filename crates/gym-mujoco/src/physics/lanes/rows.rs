@@ -9,11 +9,11 @@ use gym_core::math::{Lanes, Real};
 
 use super::tree::dot;
 use super::{Arrays, Place, Row, WORLDS, load, same, store};
+use crate::math::number;
+use crate::math::spatial::{add, column, scale};
 use crate::model::{GeomType, Pair};
 use crate::physics::collision::{Polytope, ROUNDING, above_plane, contact_at, frame, touch};
 use crate::physics::constraint::{contact_jacobian, pyramid, regularization};
-use crate::physics::number;
-use crate::physics::spatial::{add, column, scale};
 use crate::{Contact, Model};
 
 /// The constraint rows of all worlds.
@@ -139,7 +139,7 @@ impl Rows {
             } else {
                 between
             };
-            let height = crate::physics::spatial::dot(between, along);
+            let height = crate::math::spatial::dot(between, along);
             let far = height.gt(height.same(reach.most));
             let near = !Lanes::<S>::bits(far) & live;
             if near == 0 {

@@ -7,13 +7,13 @@ use gym_core::math::{Lanes, Real};
 
 use super::{Arrays, Place, Row, Worlds, load, store};
 use crate::Model;
-use crate::model::{Integrator, SensorType, Stage};
-use crate::physics::contact_force::force_of;
-use crate::physics::number;
-use crate::physics::sensor::{fixed, touch_of};
-use crate::physics::spatial::{
+use crate::math::number;
+use crate::math::spatial::{
     MINVAL, add, rotate_back6, rotation, scale, transform_motion, translation,
 };
+use crate::model::{Integrator, SensorType, Stage};
+use crate::physics::contact_force::force_of;
+use crate::physics::sensor::{fixed, touch_of};
 
 /// Iterates over the sensors that write to the first `numbers` elements of `sensordata`.
 fn read(m: &Model, numbers: usize) -> impl Iterator<Item = usize> {

@@ -1,5 +1,5 @@
 //! Sums and matrices of several worlds, in the same order of operations as for one world: see
-//! [`dense`](crate::physics::dense) and [`inertia`](crate::physics::inertia). The models have one
+//! [`dense`](crate::math::dense) and [`inertia`](crate::physics::inertia). The models have one
 //! tree.
 
 use fearless_simd::Simd;
@@ -8,7 +8,7 @@ use gym_core::math::{Lanes, Real};
 use super::{Place, Row, load, same, store};
 use crate::Model;
 
-/// Returns the sum of `count` products in the order of [`dot`](crate::physics::dense::dot). The sum
+/// Returns the sum of `count` products in the order of [`dot`](crate::math::dense::dot). The sum
 /// of the last one to three products starts with the first product instead of zero. The result has
 /// the same bits, because the total of the other products starts at zero and is never -0.
 #[inline(always)]

@@ -3,8 +3,8 @@
 use super::line_search::Row;
 use super::row_costs::{ConeHessian, Piece, State};
 use crate::Model;
+use crate::math::dense::{self, Lanes};
 use crate::physics::constraint::Block;
-use crate::physics::dense::{self, Lanes};
 use crate::physics::inertia::Way;
 
 /// The buffers of the primal solvers.

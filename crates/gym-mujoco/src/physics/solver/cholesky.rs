@@ -7,8 +7,8 @@
 use std::ops::Sub;
 
 use crate::Revision;
-use crate::physics::dense::{Lanes, minus, plus, times};
-use crate::physics::spatial::MINVAL;
+use crate::math::dense::{Lanes, minus, plus, times};
+use crate::math::spatial::MINVAL;
 
 /// Replaces the lower triangle of a matrix of `n` rows by its factor: MuJoCo's `mju_cholFactor`. A
 /// pivot below `MINVAL` is replaced by `MINVAL`.
@@ -66,7 +66,7 @@ fn factor_columns(matrix: &mut [Lanes], n: usize, stride: usize) {
 }
 
 /// Returns the products of four rows (`group`) with a vector, in the order of
-/// [`dot`](crate::physics::dense::dot), over `columns`. `element` returns the vector's element for
+/// [`dot`](crate::math::dense::dot), over `columns`. `element` returns the vector's element for
 /// a column and the column's index.
 #[inline(always)]
 fn dot_rows(
@@ -189,7 +189,7 @@ pub(super) fn update(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::physics::dense::{dot_slices, groups};
+    use crate::math::dense::{dot_slices, groups};
 
     const N: usize = 7;
 
@@ -246,7 +246,7 @@ mod tests {
         let solved = Revision::ALL.map(|revision| {
             let (mut rows, mut x) = (matrix(), start);
             let mut padded = vec![[0.0; 4]; groups(N)];
-            crate::physics::dense::put(&mut padded, &x);
+            crate::math::dense::put(&mut padded, &x);
             solve(&columns, N, groups(N), &mut padded, revision);
             plain(&mut rows, &mut x, revision);
             let factors = by_columns(&rows);

@@ -3,8 +3,8 @@
 
 use super::buffers::Buffers;
 use super::newton::{Problem, dot, norm, search, update};
-use crate::physics::dense::{Lanes, add_scaled, times};
-use crate::physics::spatial::MINVAL;
+use crate::math::dense::{Lanes, add_scaled, times};
+use crate::math::spatial::MINVAL;
 
 /// Takes steps along conjugate directions. Returns the number of steps.
 #[inline(never)]

@@ -3,9 +3,9 @@
 
 use super::pgs::{Buffers, Pcg32};
 use super::qcqp;
+use crate::math::dense::{self, dot, dot_slices};
+use crate::math::spatial::MINVAL;
 use crate::physics::constraint::{Block, Kind, Source};
-use crate::physics::dense::{self, dot, dot_slices};
-use crate::physics::spatial::MINVAL;
 use crate::{Data, Model, Revision};
 
 /// The largest number of rows of a cone.

@@ -1,7 +1,7 @@
 //! Newton's line search: the exact minimum of a piecewise quadratic function.
 
 use super::row_costs::{Piece, evaluate};
-use crate::physics::spatial::MINVAL;
+use crate::math::spatial::MINVAL;
 
 /// The quantities of a row that a line search reads.
 #[derive(Clone, Copy, Debug, Default)]

@@ -14,7 +14,7 @@ mod row_costs;
 use std::ops::Range;
 
 use super::constraint::{Constraints, mul_jacobian};
-use super::dense::{self, Lanes};
+use crate::math::dense::{self, Lanes};
 use crate::model::Solver;
 use crate::{Data, Model};
 

@@ -10,11 +10,11 @@ use super::buffers::{Buffers, Gathered};
 use super::line_search::{Along, Row, line_search};
 use super::row_costs::{ConeHessian, RowCosts, State};
 use super::{cholesky, conjugate, cost_of_rows, residuals};
+use crate::math::dense::{self, Lanes, add_scaled, combine, minus, times};
+use crate::math::spatial::MINVAL;
 use crate::model::{Disable, Solver};
 use crate::physics::constraint::{Block, Constraints, mul_jacobian};
-use crate::physics::dense::{self, Lanes, add_scaled, combine, minus, times};
 use crate::physics::inertia::{Way, mul_m_tree, multiply, solve_tree};
-use crate::physics::spatial::MINVAL;
 use crate::{Data, Model};
 
 /// Solves all islands: MuJoCo's `mj_solNewton_island`.

@@ -3,9 +3,9 @@
 
 use super::dual::Rows;
 use super::{pgs, qcqp};
+use crate::math::dense::{self, dot_slices};
+use crate::math::spatial::MINVAL;
 use crate::physics::constraint::{Block, Kind, Source};
-use crate::physics::dense::{self, dot_slices};
-use crate::physics::spatial::MINVAL;
 use crate::{Data, Model};
 
 /// Corrects the forces of all islands: MuJoCo's `mj_solNoSlip`.

@@ -6,8 +6,8 @@
 use super::dual::{self, Unit};
 use super::row_costs::{RowCosts, State};
 use super::{add_forces, dense, residuals};
+use crate::math::dense::{Lanes, add_scaled, dot, times};
 use crate::model::{Bounds, Disable, Solver};
-use crate::physics::dense::{Lanes, add_scaled, dot, times};
 use crate::physics::inertia;
 use crate::{Data, Model, Revision};
 

@@ -2,8 +2,8 @@
 //! an ellipsoid.
 
 use crate::Revision;
-use crate::physics::dense::dot_slices;
-use crate::physics::spatial::MINVAL;
+use crate::math::dense::dot_slices;
+use crate::math::spatial::MINVAL;
 
 /// Numbers below this count as zero.
 const LEAST: f64 = 1e-10;

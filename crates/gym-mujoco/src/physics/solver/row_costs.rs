@@ -164,7 +164,7 @@ impl RowCosts<'_> {
 
 /// Returns the length of a vector, in the order of MuJoCo's `mju_norm`.
 fn norm(v: &[f64]) -> f64 {
-    crate::physics::dense::dot_slices(v, v).sqrt()
+    crate::math::dense::dot_slices(v, v).sqrt()
 }
 
 /// Returns the second derivatives of a cone's cost. `u` is the direction of sliding, whose length

@@ -5,11 +5,11 @@ use gym_core::math::{Lanes, Real};
 
 use super::{Control, Found, Mask, Newton};
 use crate::Model;
+use crate::math::spatial::MINVAL;
 use crate::physics::lanes::rows::{Rows, worlds};
 use crate::physics::lanes::tree::{dot, multiply};
 use crate::physics::lanes::{Arrays, Place, Row, load, same, store};
 use crate::physics::solver::line_search;
-use crate::physics::spatial::MINVAL;
 
 impl Newton {
     /// Searches in all worlds together until each minimum is found or bracketed, and writes step

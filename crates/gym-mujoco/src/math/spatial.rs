@@ -6,8 +6,8 @@
 
 use std::ops::{Add, Mul};
 
+use super::libm;
 use super::number::{self, Number};
-use crate::libm;
 
 /// Lengths below this count as zero: MuJoCo's `mjMINVAL`.
 pub(crate) const MINVAL: f64 = 1e-15;

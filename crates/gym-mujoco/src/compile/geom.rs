@@ -1,13 +1,14 @@
 //! Geoms and sites.
 
+use super::constants::bounding_radius;
+use super::fluid;
+use super::inertia::{self, Inertia};
 use crate::Result;
-use crate::mjcf::fluid;
-use crate::mjcf::inertia::{self, Inertia};
+use crate::math::spatial::EPS;
 use crate::mjcf::orientation::{from_z, unit, within};
 use crate::mjcf::spec::{Frame, Geom, Site, Spec};
 use crate::mjcf::xml::Place;
-use crate::model::{CompiledModel, Fluid, GeomType, bounding_radius};
-use crate::physics::spatial::EPS;
+use crate::model::{CompiledModel, Fluid, GeomType};
 
 /// Adds a geom; returns its mass, and its centre and axes in the body's frame.
 pub(super) fn add_geom(

@@ -1,13 +1,13 @@
 //! Fields of a model that are computed from other fields, such as masses of subtrees and inverse
 //! weights: MuJoCo's `mj_setConst`.
 
-use super::{CompiledModel, EqualityType, GeomType, JointType, Model, ObjectType, Revision};
-use crate::physics::dense::dot_slices;
-use crate::physics::spatial::{
+use crate::math::dense::dot_slices;
+use crate::math::spatial::{
     EPS, InTurn, MINVAL, Order, Pairwise, add, cross, norm, rotate, rotate_back, sub,
 };
+use crate::model::{CompiledModel, EqualityType, GeomType, JointType, ObjectType, Revision};
 use crate::physics::{com_pos, crb, factor_m, kinematics, solve_m, tendon, transmission};
-use crate::{Data, Result};
+use crate::{Data, Model, Result};
 
 impl Model {
     /// Changes fields of the model, and recomputes the fields that depend on them: MuJoCo's
@@ -37,7 +37,7 @@ impl Model {
     /// # Errors
     /// The errors of `new`.
     pub fn change(&mut self, change: impl FnOnce(&mut CompiledModel)) -> Result<()> {
-        let mut figures = Box::new(self.compiled.clone());
+        let mut figures = Box::new(CompiledModel::clone(self));
         change(&mut figures);
         // check lengths and ids before the first computation with them
         let mut figures = Box::new(boxed(*figures)?.into_compiled());

@@ -1,56 +1,10 @@
 //! Fills arrays that a serialised model may leave out because it does not use their feature.
 
-use serde::{Deserialize, Serialize};
-
-use super::{
-    BiasType, CompiledModel, DynamicsType, GainType, ObjectType, TransmissionType, WrapType,
+use crate::model::{
+    BiasType, CompiledModel, DynamicsType, Fluid, GainType, ObjectType, Parameters, SOLIMP, SOLREF,
+    TransmissionType, WrapType, padded,
 };
-use crate::data::arrays;
-
-/// Parameters of an actuator's dynamics, gain or bias: ten numbers. A serialised list may be
-/// shorter; the missing numbers are zero.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[serde(from = "Vec<f64>")]
-pub struct Parameters(pub [f64; 10]);
-
-impl From<Vec<f64>> for Parameters {
-    fn from(numbers: Vec<f64>) -> Self {
-        Self(padded(&numbers))
-    }
-}
-
-/// The first `N` numbers of a list; zeros after its end.
-fn padded<const N: usize>(numbers: &[f64]) -> [f64; N] {
-    std::array::from_fn(|k| numbers.get(k).copied().unwrap_or(0.0))
-}
-
-/// Fluid coefficients of a geom: 1 for the ellipsoid model (else 0), five coefficients, virtual
-/// masses and virtual moments. A serialised list may be shorter; the missing numbers are zero.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[serde(from = "Numbers")]
-pub struct Fluid(pub [f64; 12]);
-
-/// A number or a list of numbers.
-#[derive(Deserialize)]
-#[serde(untagged)]
-enum Numbers {
-    One(f64),
-    Several(Vec<f64>),
-}
-
-impl From<Numbers> for Fluid {
-    fn from(numbers: Numbers) -> Self {
-        Self(match numbers {
-            Numbers::One(number) => padded(&[number]),
-            Numbers::Several(numbers) => padded(&numbers),
-        })
-    }
-}
-
-/// The default reference of constraints: time constant, damping ratio.
-pub(crate) const SOLREF: [f64; 2] = [0.02, 1.0];
-/// The default impedance of constraints: dmin, dmax, width, midpoint, power.
-pub(crate) const SOLIMP: [f64; 5] = [0.9, 0.95, 0.001, 0.5, 2.0];
+use crate::physics::arrays;
 
 /// Fills an empty array with `length` copies of `value`.
 fn fill<T: Clone>(array: &mut Vec<T>, length: usize, value: T) {

@@ -4,8 +4,8 @@ mod ahead;
 
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
+use crate::math::spatial::IDENTITY;
 use crate::physics::lanes::most_len;
-use crate::physics::spatial::IDENTITY;
 use crate::physics::{Call, Constraints, MAXVAL, Work, inverse, rne_post_constraint, step1, step2};
 use crate::{Error, Model, Result, forward, step};
 

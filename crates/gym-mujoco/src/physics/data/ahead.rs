@@ -1,5 +1,5 @@
 //! Steps that were computed together with other worlds, ahead of the call: see
-//! [`lanes`](crate::physics::lanes).
+//! [`lanes`](super::super::lanes).
 
 use super::Data;
 use crate::Model;

@@ -1,12 +1,13 @@
 //! Bodies: ids, frames, masses.
 
-use super::{MOST, geom, joint};
+use super::inertia::{self, Inertia};
+use super::{geom, joint};
 use crate::Result;
-use crate::mjcf::inertia::{self, Inertia};
+use crate::math::spatial::EPS;
+use crate::mjcf::MOST;
 use crate::mjcf::orientation::within;
 use crate::mjcf::spec::{Body, Inertial, Moments, Spec};
 use crate::model::CompiledModel;
-use crate::physics::spatial::EPS;
 
 pub(super) fn add_body(m: &mut CompiledModel, spec: &Spec, id: usize, body: &Body) -> Result<()> {
     let parent = body.parent;

@@ -1,10 +1,10 @@
 //! Keyframes.
 
 use crate::Result;
+use crate::math::spatial::{InTurn, Order};
 use crate::mjcf::orientation::unit;
 use crate::mjcf::spec::{Key, Spec};
 use crate::model::{CompiledModel, JointType};
-use crate::physics::spatial::{InTurn, Order};
 
 pub(super) fn add_keys(m: &mut CompiledModel, spec: &Spec) -> Result<()> {
     let mocap: Vec<usize> = (0..m.nbody()).filter(|b| m.body_mocapid[*b] >= 0).collect();

@@ -2,7 +2,7 @@
 
 use std::f64::consts::PI;
 
-use crate::libm;
+use crate::math::libm;
 use crate::model::GeomType;
 
 /// MuJoCo's `geom_fluid`: 1 for the ellipsoid model, five coefficients, and the virtual masses and

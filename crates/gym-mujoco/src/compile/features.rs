@@ -1,11 +1,12 @@
 //! Checks references between objects, and refuses features that the engine does not support.
 
 use super::check::same;
-use super::{
+use crate::Result;
+use crate::error::ensure;
+use crate::model::{
     CompiledModel, DynamicsType, EqualityType, GeomType, ObjectType, SensorType, TransmissionType,
     WrapType,
 };
-use crate::Result;
 
 /// Checks ids of actuators, tendons, equality constraints, sensors and pairs, and refuses
 /// unsupported features.

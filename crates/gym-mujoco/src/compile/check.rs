@@ -2,8 +2,32 @@
 
 use std::fmt::Display;
 
-use super::{CompiledModel, GeomType, JointType, features};
-use crate::{Error, Result};
+use super::features;
+use crate::error::ensure;
+use crate::model::{CompiledModel, GeomType, JointType};
+use crate::{Error, Model, Result};
+
+impl Model {
+    /// Checks the model, and precomputes what the engine needs.
+    ///
+    /// # Errors
+    /// [`Error::Model`] if arrays have different lengths, ids point nowhere, numbers are not
+    /// finite, or the model needs an unsupported feature; the message names the array and the
+    /// element.
+    pub fn new(mut compiled: CompiledModel) -> Result<Self> {
+        compiled.complete();
+        check(&compiled)?;
+        Self::planned(compiled)
+    }
+}
+
+impl TryFrom<CompiledModel> for Model {
+    type Error = Error;
+
+    fn try_from(compiled: CompiledModel) -> Result<Self> {
+        Self::new(compiled)
+    }
+}
 
 /// Checks lengths, ids, order and ranges of everything that the engine reads.
 pub(super) fn check(m: &CompiledModel) -> Result<()> {

@@ -3,7 +3,7 @@
 use std::fmt::Debug;
 use std::ops::{Add, Mul, Neg, Sub};
 
-use crate::libm;
+use super::libm;
 
 /// An `f64`, or a vector register with one number per world.
 ///

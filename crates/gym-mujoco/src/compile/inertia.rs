@@ -2,12 +2,12 @@
 
 use std::f64::consts::PI;
 
-use super::orientation::{IDENTITY, compose, unit};
 use crate::Revision;
-use crate::libm;
+use crate::math::libm;
+pub(super) use crate::math::spatial::MINVAL;
+use crate::math::spatial::{InTurn, Mat3, Order, Quat, inertia_at};
+use crate::mjcf::orientation::{IDENTITY, compose, unit};
 use crate::model::GeomType;
-pub(super) use crate::physics::spatial::MINVAL;
-use crate::physics::spatial::{InTurn, Mat3, Order, Quat, inertia_at};
 
 /// Mass, centre and principal moments of inertia of a body, or of a geom within its body.
 #[derive(Clone, Copy, Debug, PartialEq)]

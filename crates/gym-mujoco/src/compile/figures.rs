@@ -3,9 +3,10 @@
 
 use serde_json::{Map, Value, json};
 
-use super::orientation::IDENTITY;
+use super::constants::body_sizes;
+use crate::mjcf::orientation::IDENTITY;
 use crate::model::bounds::bounding_box;
-use crate::model::{JointType, Parameters, body_sizes, same, same_quat};
+use crate::model::{JointType, Parameters, same, same_quat};
 use crate::physics::{com_pos, kinematics};
 use crate::{CompiledModel, Data, Model};
 

@@ -1,27 +1,42 @@
-//! Turns a [`Spec`] into a compiled model: ids, frames, masses.
+//! The model compiler: turns a [`Spec`] into a checked [`Model`].
+//!
+//! | file | part |
+//! |---|---|
+//! | `source` | models from texts and files |
+//! | `body`, `joint`, `geom`, ... | a section of MJCF each: ids, frames |
+//! | `inertia`, `fluid` | masses, principal axes, coefficients of shapes |
+//! | `constants` | fields that follow from others, by stages of the engine |
+//! | `complete`, `check`, `features` | fields left out; refusal of models that the engine cannot run |
+//! | `figures` | the model as a table |
 
 mod actuator;
 mod body;
+mod check;
+mod complete;
+mod constants;
 mod contact;
 mod equality;
+mod features;
+mod figures;
+mod fluid;
 mod geom;
+mod inertia;
 mod joint;
 mod keyframe;
 mod sensor;
+mod source;
 mod tendon;
 
 use std::collections::HashSet;
 
-use super::inertia::MINVAL;
-use super::orientation::{IDENTITY, turned, within};
-use super::spec::{Spec, Statistic};
-use super::xml::Place;
-use crate::model::{CompiledModel, ObjectType, mark_simple, with_constants};
+use self::constants::{mark_simple, with_constants};
+use self::inertia::MINVAL;
+use crate::mjcf::MOST;
+use crate::mjcf::orientation::{IDENTITY, turned, within};
+use crate::mjcf::spec::{Spec, Statistic};
+use crate::mjcf::xml::Place;
+use crate::model::{CompiledModel, ObjectType};
 use crate::{Model, Result};
-
-/// The largest number of bodies, geoms and degrees of freedom (the engine's matrices are dense),
-/// and of each kind of object that is looked up by name.
-pub(super) const MOST: usize = 1000;
 
 /// Computes all fields except those that need the inertia matrix of the initial configuration.
 pub(super) fn compile(spec: &Spec) -> Result<Box<CompiledModel>> {

@@ -1,6 +1,7 @@
 //! The arguments that all tasks share.
 
 use gym_core::{DType, Error, Result};
+use gym_mujoco::tasks::Version;
 use gym_mujoco::{Model, Revision};
 
 /// The largest width and height of a picture.
@@ -13,7 +14,7 @@ gym_core::arguments! {
     pub struct Common {
         /// The version of MuJoCo whose numbers the episodes have, to the last bit: `"4.0"`, or
         /// `"3.12"`, for which dm_control 1.0.45 is made.
-        pub mujoco: Revision = Revision::V4_0,
+        pub mujoco: Version = Version(Revision::V4_0),
         /// Length of an episode; null for no limit.
         #[unit = "s"]
         pub time_limit: Option<f64> = Some(20.0),

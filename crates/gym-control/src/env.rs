@@ -83,7 +83,7 @@ impl ControlEnv {
         let json = serde_json::to_value(config);
         let json = json.map_err(|error| Error::argument(D::NAME, error.to_string()))?;
         let common = config.as_ref();
-        let world = World::new(&D::text(config)?, common.mujoco)?;
+        let world = World::new(&D::text(config)?, common.mujoco.0)?;
         common.check(&world.model)?;
         let task = Arc::new(D::new(config, &world.model)?);
         Self::of((D::NAME, task), (json, common), world, D::TIMESTEPS)
@@ -139,6 +139,7 @@ impl ControlEnv {
         let stride = reads.map(|reads| Stride {
             steps: timesteps,
             settles: true,
+            contact_forces: false,
             reads,
         });
         Ok(Self {

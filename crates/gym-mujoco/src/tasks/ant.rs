@@ -31,7 +31,7 @@ use super::range::Range;
 use super::simulation::{Simulation, normal_noise, uniform_noise};
 use super::{Ant, clip};
 use crate::Data;
-use crate::physics::lanes::Derived;
+use crate::lanes::Derived;
 use crate::view::CameraConfig;
 
 /// A body, by number or by name.

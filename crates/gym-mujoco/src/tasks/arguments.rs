@@ -3,8 +3,9 @@
 use gym_core::{Arguments, Error, Result};
 use serde_json::{Map, Value as Json};
 
+use super::version::Version;
 use crate::Revision;
-use crate::physics::MAXVAL;
+use crate::math::MAXVAL;
 use crate::view::CameraConfig;
 
 /// The largest `reset_noise_scale`. Normal noise of this scale stays within MuJoCo's limit of 1e10.
@@ -25,7 +26,7 @@ pub trait TaskArguments:
     fn defaults(version: u32) -> Self {
         let mut config = Self::default();
         if version < 4 {
-            config.as_mut().mujoco = Revision::V3_12;
+            config.as_mut().mujoco = Revision::V3_12.into();
         }
         config
     }
@@ -64,7 +65,7 @@ gym_core::arguments! {
     pub struct Common {
         /// The version of MuJoCo whose numbers the episodes have, to the last bit: `"4.0"`, or
         /// `"3.12"`, which 3.11 and 3.13 equal.
-        pub mujoco: Revision = Revision::V4_0,
+        pub mujoco: Version = Version(Revision::V4_0),
         /// The model: the name of a built-in one, such as `"ant.xml"`, or a path that begins with
         /// `.`, `/` or `~`.
         #[versions = 5..]

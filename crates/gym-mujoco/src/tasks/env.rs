@@ -18,8 +18,8 @@ use super::Simulated;
 use super::arguments::TaskArguments;
 use super::simulation::Simulation;
 use super::together::{Place, Worlds};
-use crate::physics::MAXVAL;
-use crate::physics::lanes::Derived;
+use crate::lanes::Derived;
+use crate::math::MAXVAL;
 use crate::{Data, Revision};
 
 /// Takes an entry of `info`.
@@ -259,7 +259,7 @@ impl<T: Task> MujocoEnv<T> {
         struct With {
             mujoco: Revision,
         }
-        let (env, own) = (self.describe(), self.arguments.1.as_ref().mujoco);
+        let (env, own) = (self.describe(), self.arguments.1.as_ref().mujoco.0);
         match snapshot.get::<Taken>() {
             Ok(taken) if taken.env == env && taken.config.1.mujoco != own => {
                 let other = taken.config.1.mujoco;

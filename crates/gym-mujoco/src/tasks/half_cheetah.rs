@@ -28,7 +28,7 @@ use super::env::{self, Visit};
 use super::simulation::{Simulation, normal_noise, uniform_noise};
 use super::{HalfCheetah, clip};
 use crate::Data;
-use crate::physics::lanes::Derived;
+use crate::lanes::Derived;
 use crate::view::CameraConfig;
 
 gym_core::arguments! {

@@ -29,7 +29,7 @@ use super::range::Range;
 use super::simulation::{Simulation, uniform_noise, uniform_velocities};
 use super::{Humanoid, clip};
 use crate::Data;
-use crate::physics::lanes::Derived;
+use crate::lanes::Derived;
 use crate::view::CameraConfig;
 
 gym_core::arguments! {

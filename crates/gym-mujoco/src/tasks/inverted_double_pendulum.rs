@@ -27,9 +27,9 @@ use super::env::{self, Visit};
 use super::simulation::{Simulation, normal_noise, uniform_noise};
 use super::{InvertedDoublePendulum, clip};
 use crate::Data;
-use crate::math::libm;
-use crate::physics::lanes::Derived;
+use crate::lanes::Derived;
 use crate::view::CameraConfig;
+use gym_core::math;
 
 const LIMIT: f64 = 10.0; // of observed velocities and forces
 
@@ -91,7 +91,7 @@ impl env::Task for Task {
         let [x, _, y] = data.site_xpos[0];
         let terminated = y <= 1.0;
         let (v1, v2) = (data.qvel[1], data.qvel[2]);
-        let square = |x: f64| libm::pow(x, 2.0);
+        let square = |x: f64| math::pow(x, 2.0);
         let distance = 0.01 * square(x) + square(y - 2.0);
         let velocity = 1e-3 * square(v1) + 5e-3 * square(v2);
         let alive = self.version < 5 || !terminated;
@@ -115,8 +115,8 @@ impl env::Task for Task {
         };
         let angles = &data.qpos[1..];
         let clipped = data.qvel.iter().chain(&data.qfrc_constraint[..forces]);
-        let sines = angles.iter().map(|angle| libm::sin_cos(*angle).0);
-        let cosines = angles.iter().map(|angle| libm::sin_cos(*angle).1);
+        let sines = angles.iter().map(|angle| math::sin_cos(*angle).0);
+        let cosines = angles.iter().map(|angle| math::sin_cos(*angle).1);
         let clipped = clipped.map(|x| x.clamp(-LIMIT, LIMIT));
         data.qpos[..1]
             .iter()

@@ -27,7 +27,7 @@ use super::env::{self, Visit};
 use super::simulation::{Simulation, uniform_noise, uniform_velocities};
 use super::{InvertedPendulum, clip};
 use crate::Data;
-use crate::physics::lanes::Derived;
+use crate::lanes::Derived;
 use crate::view::CameraConfig;
 
 const MAX_ANGLE: f64 = 0.2; // rad

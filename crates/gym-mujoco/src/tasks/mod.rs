@@ -17,6 +17,7 @@ mod range;
 mod runner;
 mod simulation;
 mod together;
+mod version;
 
 pub mod ant;
 pub mod half_cheetah;
@@ -33,13 +34,14 @@ pub mod walker2d;
 use gym_core::registry::Clip;
 use gym_core::{Env, EnvExt, Result};
 
-pub use crate::physics::lanes::{Derived, Stride};
+pub use crate::lanes::{Derived, Stride};
 pub use arguments::{Common, TaskArguments};
 pub use env::{MujocoEnv, Task, Visit};
 pub use models::{load, models};
 pub use range::Range;
 pub use simulation::Simulation;
 pub use together::{Place, Worlds};
+pub use version::Version;
 
 use crate::Data;
 

@@ -57,7 +57,7 @@ impl TaskArguments for Config {
         let mut config = Self::default();
         if version < 5 {
             config.common.xml_file = "pusher.xml".to_owned();
-            config.common.mujoco = Revision::V3_12;
+            config.common.mujoco = Revision::V3_12.into();
         }
         config
     }

@@ -27,8 +27,8 @@ use super::numpy::norm;
 use super::simulation::{Simulation, uniform_noise, uniform_velocities};
 use super::{Reacher, clip};
 use crate::Data;
-use crate::math::libm;
 use crate::view::CameraConfig;
+use gym_core::math;
 
 const REACH: f64 = 0.2; // m, how far away the target can be
 const ANGLE_NOISE: f64 = 0.1;
@@ -123,7 +123,7 @@ impl env::Task for Task {
     }
 
     fn observe(&self, _simulation: &Simulation, data: &Data) -> impl Iterator<Item = f64> {
-        let angles = data.qpos[..2].iter().map(|angle| libm::sin_cos(*angle));
+        let angles = data.qpos[..2].iter().map(|angle| math::sin_cos(*angle));
         let dimensions = if self.version >= 5 { 2 } else { 3 };
         (angles.clone().map(|(_, cos)| cos))
             .chain(angles.map(|(sin, _)| sin))

@@ -11,7 +11,7 @@ use super::env::{self, Visit};
 use super::range::Range;
 use super::simulation::{Simulation, uniform_noise, uniform_velocities};
 use crate::Data;
-use crate::physics::lanes::Derived;
+use crate::lanes::Derived;
 
 const VELOCITY_LIMIT: f64 = 10.0; // of observed velocities
 

@@ -7,7 +7,7 @@ use gym_core::{Array, Error, Generator, Result, Space};
 
 use super::arguments::Common;
 use super::models::load;
-use crate::physics::lanes::{Derived, Stride};
+use crate::lanes::{Derived, Stride};
 use crate::view::View;
 use crate::{Data, Model, forward, physics, step};
 
@@ -33,7 +33,7 @@ pub struct Simulation {
 impl Simulation {
     pub(super) fn new(arguments: &Common, version: u32) -> Result<Self> {
         arguments.check()?;
-        let model = load(&arguments.xml_file, arguments.mujoco)?;
+        let model = load(&arguments.xml_file, arguments.mujoco.0)?;
         let dt = model.opt.timestep * arguments.frame_skip as f64;
         let view = View::of_task(&model, arguments)?;
         let xml_file = arguments.xml_file.clone();
@@ -56,6 +56,7 @@ impl Simulation {
         self.stride = Some(Stride {
             steps: self.frame_skip,
             settles: false,
+            contact_forces: self.contact_forces,
             reads: reads.iter().copied().filter(computed).collect(),
         });
     }
@@ -80,7 +81,6 @@ impl Simulation {
         if let Some(stride) = &self.stride
             && data.catch_up(&self.model, stride)
         {
-            data.contact_forces = self.contact_forces;
             return;
         }
         for _ in 1..self.frame_skip {

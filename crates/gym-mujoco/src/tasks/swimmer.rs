@@ -28,7 +28,7 @@ use super::motion::visit_motion;
 use super::simulation::{Simulation, uniform_noise, uniform_velocities};
 use super::{Swimmer, clip};
 use crate::Data;
-use crate::physics::lanes::Derived;
+use crate::lanes::Derived;
 use crate::view::CameraConfig;
 
 gym_core::arguments! {

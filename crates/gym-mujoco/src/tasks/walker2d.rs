@@ -73,7 +73,7 @@ impl TaskArguments for Config {
             config.common.xml_file = "walker2d.xml".to_owned();
         }
         if version < 4 {
-            config.common.mujoco = Revision::V3_12;
+            config.common.mujoco = Revision::V3_12.into();
         }
         config
     }

@@ -2,8 +2,8 @@
 
 use gym_core::canvas::Point;
 
-use crate::math::libm;
-use crate::math::spatial::{Mat3, Vec3, add_scaled, column, cross, dot, norm, scale, sub};
+use crate::math::{Mat3, Vec3, add_scaled, column, cross, dot, norm, scale, sub};
+use gym_core::math;
 
 /// The near plane in m: points nearer than this are not drawn.
 pub(super) const NEAR: f64 = 0.02;
@@ -27,7 +27,7 @@ pub(super) struct Camera {
 impl Camera {
     /// A camera whose axes are the columns of a matrix: right, up, back.
     pub(super) fn new(pos: Vec3, axes: &Mat3, fovy: f64, size: [f64; 2]) -> Self {
-        let (sin, cos) = libm::sin_cos((fovy / 2.0).to_radians());
+        let (sin, cos) = math::sin_cos((fovy / 2.0).to_radians());
         let ahead = scale(column(axes, 2), -1.0);
         Self {
             pos,
@@ -49,8 +49,8 @@ impl Camera {
         fovy: f64,
         size: [f64; 2],
     ) -> Self {
-        let (sin_a, cos_a) = libm::sin_cos(azimuth.to_radians());
-        let (sin_e, cos_e) = libm::sin_cos(elevation.to_radians());
+        let (sin_a, cos_a) = math::sin_cos(azimuth.to_radians());
+        let (sin_e, cos_e) = math::sin_cos(elevation.to_radians());
         let ahead = [cos_e * cos_a, cos_e * sin_a, sin_e];
         let right = [sin_a, -cos_a, 0.0];
         let up = cross(right, ahead);
@@ -67,8 +67,8 @@ impl Camera {
     pub(super) fn towards(pos: Vec3, target: Vec3, fovy: f64, size: [f64; 2]) -> Self {
         let to = sub(target, pos);
         let distance = norm(to).max(1e-6);
-        let azimuth = libm::atan2(to[1], to[0]).to_degrees();
-        let elevation = libm::atan2(to[2], (to[0] * to[0] + to[1] * to[1]).sqrt()).to_degrees();
+        let azimuth = math::atan2(to[1], to[0]).to_degrees();
+        let elevation = math::atan2(to[2], (to[0] * to[0] + to[1] * to[1]).sqrt()).to_degrees();
         Self::around(target, distance, [azimuth, elevation], fovy, size)
     }
 

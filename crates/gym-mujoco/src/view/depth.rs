@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use super::camera::{Camera, NEAR};
 use super::{View, color_of, floor_of, is_wall};
-use crate::math::spatial::{Vec3, add_scaled, dot, sub};
+use crate::math::{Vec3, add_scaled, dot, sub};
 use crate::model::GeomType;
 use crate::physics::ray_shape;
 use crate::{Data, Model};

@@ -5,10 +5,10 @@ use gym_core::canvas::{Canvas, Color, Point, Segment, Shape};
 use super::camera::{Camera, NEAR};
 use super::shapes::lit;
 use super::{Scene, color_of};
-use crate::math::libm;
-use crate::math::spatial::{Vec3, add_scaled, column, dot, sub};
+use crate::math::{Vec3, add_scaled, column, dot, sub};
 use crate::model::GeomType;
 use crate::{Data, Model};
+use gym_core::math;
 
 const ZENITH: Color = Color::rgb(96, 142, 190);
 const HORIZON: Color = Color::rgb(226, 236, 244);
@@ -172,13 +172,13 @@ fn round_outline(model: &Model, data: &Data, g: usize, height: f64) -> [Vec3; CO
         add_scaled(center, axis, -half),
     ];
     let along = sub(ends[0], ends[1]);
-    let turn = libm::atan2(along[1], along[0]);
+    let turn = math::atan2(along[1], along[0]);
     std::array::from_fn(|i| {
         let end = ends[usize::from(i >= CORNERS / 2)];
         let step = i - if i >= CORNERS / 2 { 1 } else { 0 };
         let angle = turn - std::f64::consts::FRAC_PI_2
             + step as f64 * std::f64::consts::TAU / (CORNERS - 2) as f64;
-        let (sin, cos) = libm::sin_cos(angle);
+        let (sin, cos) = math::sin_cos(angle);
         [end[0] + radius * cos, end[1] + radius * sin, height]
     })
 }
@@ -189,7 +189,7 @@ fn solid_outline(model: &Model, data: &Data, g: usize, height: f64) -> [Vec3; CO
     let axes = [0, 1, 2].map(|k| column(&data.geom_xmat[g], k));
     std::array::from_fn(|i| {
         let angle = (i as f64 + 0.5) * std::f64::consts::TAU / CORNERS as f64;
-        let (sin, cos) = libm::sin_cos(angle);
+        let (sin, cos) = math::sin_cos(angle);
         let facing = axes.map(|axis| axis[0] * cos + axis[1] * sin);
         let parts: Vec3 = if model.geom_type[g] == GeomType::Box {
             std::array::from_fn(|k| size[k].copysign(facing[k]))

@@ -11,7 +11,7 @@ use gym_core::{Error, Result};
 use serde::{Deserialize, Serialize};
 
 use self::camera::Camera;
-use crate::math::spatial::{InTurn, Mat3, Order, Vec3, add, rotate, sub};
+use crate::math::{Mat3, Vec3, add, mul_quat, quat_to_mat, rotate, sub};
 use crate::model::GeomType;
 use crate::physics::{com_pos, kinematics};
 use crate::tasks::Common;
@@ -340,7 +340,7 @@ impl Own {
             pos,
             quat,
             fovy: model.cam_fovy[id],
-            mat0: InTurn::quat_to_mat(InTurn::mul_quat(data.xquat[body], quat)),
+            mat0: quat_to_mat(mul_quat(data.xquat[body], quat)),
             from_body: sub(place, data.xpos[body]),
             from_com: sub(place, data.subtree_com[body]),
         }
@@ -361,7 +361,7 @@ impl Own {
             3 => Camera::towards(place, data.xpos[self.target], self.fovy, size),
             4 => Camera::towards(place, data.subtree_com[self.target], self.fovy, size),
             _ => {
-                let axes = InTurn::quat_to_mat(InTurn::mul_quat(data.xquat[body], self.quat));
+                let axes = quat_to_mat(mul_quat(data.xquat[body], self.quat));
                 Camera::new(place, &axes, self.fovy, size)
             }
         }

@@ -9,9 +9,9 @@ use gym_core::canvas::{Canvas, Color, Point};
 use super::camera::{Camera, NEAR};
 use super::floor::blend;
 use super::{Scene, color_of, rgba, solids};
-use crate::math::libm;
-use crate::math::spatial::{Vec3, add, add_scaled, column, dot, scale, sub};
+use crate::math::{Vec3, add, add_scaled, column, dot, scale, sub};
 use crate::model::{GeomType, WrapType};
+use gym_core::math;
 
 /// The direction to the light: above, and a little to the left and the front of most cameras.
 pub(super) const LIGHT: Vec3 = [-0.37, -0.46, 0.81];
@@ -44,12 +44,12 @@ pub(super) fn draw(scene: &Scene<'_>, g: usize, canvas: &mut dyn Canvas) {
         add_scaled(center, axis, -half),
     ];
     match model.geom_type[g] {
-        GeomType::Plane | GeomType::Mesh => {}
         GeomType::Sphere => round(camera, [center; 2], radius, color, canvas),
         GeomType::Capsule => round(camera, ends, radius, color, canvas),
         GeomType::Cylinder => cylinder(camera, ends, &data.geom_xmat[g], radius, color, canvas),
         GeomType::Ellipsoid => solids::ellipsoid(scene, g, color, canvas),
         GeomType::Box => solids::cuboid(scene, g, color, canvas),
+        _ => {}
     }
 }
 
@@ -116,9 +116,9 @@ fn outline([a, b]: [Point; 2], [ra, rb]: [f64; 2], color: Color, canvas: &mut dy
         return;
     }
     // at these angles, the circles' common tangents touch the circles
-    let turn = libm::atan2(along[1], along[0]);
+    let turn = math::atan2(along[1], along[0]);
     let sine = (ra - rb) / distance;
-    let slope = libm::atan2(sine, (1.0 - sine.powi(2)).max(0.0).sqrt());
+    let slope = math::atan2(sine, (1.0 - sine.powi(2)).max(0.0).sqrt());
     let quarter = std::f64::consts::FRAC_PI_2;
     let points: [Point; 2 * ARC] = std::array::from_fn(|i| {
         let (center, radius, from, to) = if i < ARC {
@@ -127,7 +127,7 @@ fn outline([a, b]: [Point; 2], [ra, rb]: [f64; 2], color: Color, canvas: &mut dy
             (a, ra, turn + quarter - slope, turn + 3.0 * quarter + slope)
         };
         let angle = from + (to - from) * (i % ARC) as f64 / (ARC - 1) as f64;
-        let (sin, cos) = libm::sin_cos(angle);
+        let (sin, cos) = math::sin_cos(angle);
         [center[0] + radius * cos, center[1] + radius * sin]
     });
     canvas.polygon(&points, color);
@@ -171,7 +171,7 @@ fn cylinder(
     }
     let (x, y, z) = (column(mat, 0), column(mat, 1), column(mat, 2));
     let spoke = |i: usize| {
-        let (sin, cos) = libm::sin_cos(i as f64 * std::f64::consts::TAU / SIDES as f64);
+        let (sin, cos) = math::sin_cos(i as f64 * std::f64::consts::TAU / SIDES as f64);
         add(scale(x, cos), scale(y, sin))
     };
     let lit = |normal: Vec3| lit(color, normal);

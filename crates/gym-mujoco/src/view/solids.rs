@@ -5,10 +5,10 @@ use gym_core::canvas::{Canvas, Color, Point};
 use super::Scene;
 use super::camera::NEAR;
 use super::shapes::{LAYERS, LIGHT, lit, shade};
-use crate::math::libm;
-use crate::math::spatial::{
+use crate::math::{
     Vec3, add, add_scaled, column, cross, dot, normalize, rotate, rotate_back, scale, sub,
 };
+use gym_core::math;
 
 /// Draws a box: its visible faces, shaded by their direction to the light.
 pub(super) fn cuboid(scene: &Scene<'_>, g: usize, color: Color, canvas: &mut dyn Canvas) {
@@ -52,7 +52,7 @@ pub(super) fn ellipsoid(scene: &Scene<'_>, g: usize, color: Color, canvas: &mut 
     let (u, _) = normalize(cross(towards, near));
     let v = cross(towards, u);
     let rim: [Vec3; CORNERS] = std::array::from_fn(|i| {
-        let (sin, cos) = libm::sin_cos(i as f64 * std::f64::consts::TAU / CORNERS as f64);
+        let (sin, cos) = math::sin_cos(i as f64 * std::f64::consts::TAU / CORNERS as f64);
         let ball = add(scale(u, cos), scale(v, sin));
         rotate(mat, std::array::from_fn(|k| ball[k] * size[k]))
     });

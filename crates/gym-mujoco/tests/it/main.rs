@@ -1,13 +1,10 @@
 //! Tests through the public interface, in one program that is linked once.
 
 mod adversarial;
-mod changes;
+#[path = "../../../mujoco-engine/tests/it/common.rs"]
 mod common;
-mod compiled;
-mod contacts;
 mod episodes;
 mod features;
-mod mjcf;
 mod models;
 mod recorded;
 mod rewards;

@@ -1,0 +1,570 @@
+//! A state, and everything computed from it.
+
+mod ahead;
+
+use serde::{Deserialize, Deserializer, Serialize, Serializer};
+
+use crate::math::MAXVAL;
+use crate::math::spatial::IDENTITY;
+use crate::physics::lanes::most_len;
+use crate::physics::{Call, Constraints, Work, inverse, rne_post_constraint, step1, step2};
+use crate::{Error, Model, Result, forward, step};
+
+/// A state of a model, and the results of the last forward call: MuJoCo's `mjData`.
+///
+/// After [`step`], `time`, `qpos` and `qvel` are new; everything else belongs to the last forward
+/// call that the step made, as in MuJoCo. With the integrator Euler this is the state before the
+/// step, with RK4 its last stage.
+///
+/// Frames and vectors are in the world's axes. Rotation matrices are row-major. Six-dimensional
+/// vectors are rotation, then translation, about the centre of mass of the kinematic tree
+/// (`subtree_com` of the body's root).
+///
+/// A clone, or data that was serialised and read again, continues bit for bit. Two states are
+/// serialised: the current one, and the one from which the last step or forward call started.
+/// [`resume`](Self::resume) computes everything else from them.
+#[derive(Clone, Debug, Default)]
+pub struct Data {
+    /// Time, in seconds.
+    pub time: f64,
+    /// Positions (nq).
+    pub qpos: Vec<f64>,
+    /// Velocities (nv).
+    pub qvel: Vec<f64>,
+    /// Controls (nu), not clamped: the engine clamps a copy.
+    pub ctrl: Vec<f64>,
+    /// Activations of the actuators (na).
+    pub act: Vec<f64>,
+    /// Forces that are applied to the degrees of freedom (nv).
+    pub qfrc_applied: Vec<f64>,
+    /// Forces and torques that are applied at the centres of mass of the bodies, in the world's
+    /// axes.
+    pub xfrc_applied: Vec<[f64; 6]>,
+    /// Positions of the mocap bodies.
+    pub mocap_pos: Vec<[f64; 3]>,
+    /// Orientations of the mocap bodies.
+    pub mocap_quat: Vec<[f64; 4]>,
+    /// The solver's starting point: the accelerations of the previous step (nv).
+    pub qacc_warmstart: Vec<f64>,
+    /// Accelerations (nv).
+    pub qacc: Vec<f64>,
+
+    /// Positions of the bodies.
+    pub xpos: Vec<[f64; 3]>,
+    /// Orientations of the bodies.
+    pub xquat: Vec<[f64; 4]>,
+    /// Orientations of the bodies.
+    pub xmat: Vec<[f64; 9]>,
+    /// Centres of mass of the bodies.
+    pub xipos: Vec<[f64; 3]>,
+    /// Principal axes of inertia of the bodies.
+    pub ximat: Vec<[f64; 9]>,
+    /// Anchors of the joints.
+    pub xanchor: Vec<[f64; 3]>,
+    /// Axes of the joints.
+    pub xaxis: Vec<[f64; 3]>,
+    /// Positions of the geoms.
+    pub geom_xpos: Vec<[f64; 3]>,
+    /// Orientations of the geoms.
+    pub geom_xmat: Vec<[f64; 9]>,
+    /// Positions of the sites.
+    pub site_xpos: Vec<[f64; 3]>,
+    /// Orientations of the sites.
+    pub site_xmat: Vec<[f64; 9]>,
+
+    /// Centre of mass of each body with its descendants.
+    pub subtree_com: Vec<[f64; 3]>,
+    /// Inertia of each body about the tree's centre of mass: xx, yy, zz, xy, xz, yz, mass times
+    /// offset (3), mass.
+    pub cinert: Vec<[f64; 10]>,
+    /// Motion axis of each degree of freedom.
+    pub cdof: Vec<[f64; 6]>,
+    /// Velocity of each body.
+    pub cvel: Vec<[f64; 6]>,
+    /// Time derivative of `cdof`.
+    pub cdof_dot: Vec<[f64; 6]>,
+    /// Changes of the activations per second (na).
+    pub act_dot: Vec<f64>,
+    /// The values of the sensors, in their order.
+    pub sensordata: Vec<f64>,
+    /// Potential and kinetic energy, for models with the flag `energy` or energy sensors.
+    pub energy: [f64; 2],
+    /// Velocity of the centre of mass of each body with its descendants, for models whose sensors
+    /// read it.
+    pub subtree_linvel: Vec<[f64; 3]>,
+    /// Angular momentum of each body with its descendants about their centre of mass, for models
+    /// whose sensors read it.
+    pub subtree_angmom: Vec<[f64; 3]>,
+    /// Accelerations of the bodies, with gravity; current after [`rne_post_constraint`].
+    pub cacc: Vec<[f64; 6]>,
+    /// Forces between bodies and their parents; current after [`rne_post_constraint`].
+    pub cfrc_int: Vec<[f64; 6]>,
+    /// Lengths of the actuators, for models that need them.
+    pub actuator_length: Vec<f64>,
+    /// Velocities of the actuators, for models that need them.
+    pub actuator_velocity: Vec<f64>,
+    /// Jacobians of the tendons: sparse rows over the degrees of freedom that move each tendon.
+    pub ten_j: Vec<f64>,
+    /// Lengths of the tendons.
+    pub ten_length: Vec<f64>,
+    /// Velocities of the tendons.
+    pub ten_velocity: Vec<f64>,
+
+    /// Forces of springs, dampers and fluid (nv).
+    pub qfrc_passive: Vec<f64>,
+    /// Coriolis, centrifugal and gravitational forces (nv).
+    pub qfrc_bias: Vec<f64>,
+    /// Forces of the actuators (nv).
+    pub qfrc_actuator: Vec<f64>,
+    /// Sum of all forces except constraint forces (nv).
+    pub qfrc_smooth: Vec<f64>,
+    /// Accelerations without constraints (nv).
+    pub qacc_smooth: Vec<f64>,
+    /// Forces of constraints (nv).
+    pub qfrc_constraint: Vec<f64>,
+    /// Forces that cause `qacc`; current after [`inverse`].
+    pub qfrc_inverse: Vec<f64>,
+    /// External force on each body by contacts; current after [`rne_post_constraint`].
+    pub cfrc_ext: Vec<[f64; 6]>,
+
+    /// The inertia matrix: rows of the lower triangle. Each row has the columns of the ancestors of
+    /// a degree of freedom, root first, and of itself. A row starts at a multiple of four.
+    pub qm: Vec<f64>,
+    /// Factors of the inertia matrix, `L' D L`, with the same sparsity. Numbers between rows are
+    /// unspecified.
+    pub qld: Vec<f64>,
+    /// Inverse of the factors' diagonal.
+    pub qld_diag_inv: Vec<f64>,
+    /// Clamped controls: forces of the motors, before gears.
+    pub actuator_force: Vec<f64>,
+
+    /// Contacts.
+    pub contact: Vec<Contact>,
+    /// Rows of the constraints.
+    pub efc: Constraints,
+    /// Iterations of the solver, by island.
+    pub solver_niter: Vec<usize>,
+
+    /// The call that computed the derived arrays, and the state from which the call started; `None`
+    /// before the first call.
+    pub(crate) last: Option<Call>,
+    before: State,
+    /// Whether `cfrc_ext` belongs to the last call.
+    pub(crate) contact_forces: bool,
+    /// Whether the derived arrays are older than the last call: several worlds took that step
+    /// together, and only the state was stored.
+    behind: bool,
+    /// The result of a step that was computed ahead of its call: the state, and the state at the
+    /// start of the last timestep.
+    ahead: Vec<f64>,
+    is_ahead: bool,
+    /// Buffers.
+    pub(crate) work: Work,
+}
+
+/// The inputs of a step.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+struct State {
+    time: f64,
+    qpos: Vec<f64>,
+    qvel: Vec<f64>,
+    ctrl: Vec<f64>,
+    qacc_warmstart: Vec<f64>,
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    act: Vec<f64>,
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    mocap_pos: Vec<[f64; 3]>,
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    mocap_quat: Vec<[f64; 4]>,
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    qfrc_applied: Vec<f64>,
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    xfrc_applied: Vec<[f64; 6]>,
+    /// The accelerations from which inverse dynamics started; empty for other calls.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    qacc: Vec<f64>,
+}
+
+/// Runs a statement for each array of a state except the applied forces.
+macro_rules! for_parts {
+    ($from:expr, $to:expr, $do:ident) => {{
+        let (from, to) = ($from, $to);
+        for_parts!(from to $do: qpos qvel ctrl qacc_warmstart);
+        // most models have none of these arrays
+        let some = [from.act.len(), from.mocap_pos.len(), to.act.len(), to.mocap_pos.len()];
+        if some != [0; 4] {
+            for_parts!(from to $do: act mocap_pos mocap_quat);
+        }
+    }};
+    ($from:ident $to:ident $do:ident: $($part:ident)+) => {
+        $($to.$part.$do(&$from.$part);)+
+    };
+}
+
+/// The serialised form of [`Data`].
+#[derive(Serialize, Deserialize)]
+#[serde(rename = "Data")]
+struct Stored {
+    last: Option<Call>,
+    contact_forces: bool,
+    state: State,
+    /// The state from which the last call started, if it differs from the current one.
+    before: Option<State>,
+}
+
+impl Serialize for Data {
+    fn serialize<S: Serializer>(&self, serializer: S) -> std::result::Result<S::Ok, S::Error> {
+        let state = self.state();
+        let before = (self.last.is_some() && self.before != state).then(|| self.before.clone());
+        Stored {
+            last: self.last,
+            contact_forces: self.contact_forces,
+            state,
+            before,
+        }
+        .serialize(serializer)
+    }
+}
+
+impl<'de> Deserialize<'de> for Data {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> std::result::Result<Self, D::Error> {
+        let Stored {
+            last,
+            contact_forces,
+            state,
+            before,
+        } = Stored::deserialize(deserializer)?;
+        let before = before.unwrap_or_else(|| state.clone());
+        let mut data = Self {
+            last,
+            contact_forces,
+            before,
+            ..Self::default()
+        };
+        data.set(&state);
+        Ok(data)
+    }
+}
+
+/// A contact of two geoms: MuJoCo's `mjContact`.
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+pub struct Contact {
+    /// Distance between the nearest points; negative where the geoms overlap.
+    pub dist: f64,
+    /// Midpoint between the nearest points.
+    pub pos: [f64; 3],
+    /// Rows: the normal, from the first geom to the second, and two tangents.
+    pub frame: [f64; 9],
+    /// The constraint acts if `dist` is below this value.
+    pub includemargin: f64,
+    /// Friction: slide twice, spin, roll twice.
+    pub friction: [f64; 5],
+    /// Reference: time constant, damping ratio.
+    pub solref: [f64; 2],
+    /// Impedance: dmin, dmax, width, midpoint, power.
+    pub solimp: [f64; 5],
+    /// Friction of the regularised cone; 0 for a frictionless contact.
+    pub mu: f64,
+    /// Dimensions: 1 or 3.
+    pub dim: u8,
+    /// The two geoms.
+    pub geom: [usize; 2],
+    /// First constraint row; -1 if it has none.
+    pub efc_address: i32,
+    /// The index of the pair of geoms in the model.
+    pub(crate) pair: usize,
+}
+
+/// Calls `$do` for each array of `Data`, or for the arrays listed, with length and initial value.
+macro_rules! arrays {
+    ($d:ident, $m:ident, $do:path) => {
+        arrays! { $d, $do:
+            $m.nq(), 0.0 => qpos;
+            $m.nv(), 0.0 => qvel qacc_warmstart qacc qfrc_applied qfrc_passive qfrc_bias
+            qfrc_actuator qfrc_smooth qacc_smooth qfrc_constraint qfrc_inverse qld_diag_inv;
+            $m.nu(), 0.0 => ctrl actuator_force actuator_length actuator_velocity;
+            $m.na(), 0.0 => act act_dot;
+            $m.nmocap(), [0.0; 3] => mocap_pos;
+            $m.nmocap(), UNTURNED => mocap_quat;
+            $m.nsensordata(), 0.0 => sensordata;
+            $m.ntendon(), 0.0 => ten_length ten_velocity;
+            $m.plan().paths.columns.len(), 0.0 => ten_j;
+            $m.plan().m_colind.len(), 0.0 => qm qld;
+            $m.nbody(), [0.0; 3] => xpos xipos subtree_com subtree_linvel subtree_angmom;
+            $m.nbody(), UNTURNED => xquat;
+            $m.nbody(), IDENTITY => xmat ximat;
+            $m.nbody(), [0.0; 10] => cinert;
+            $m.nbody(), [0.0; 6] => cvel cacc cfrc_int cfrc_ext xfrc_applied;
+            $m.njnt(), [0.0; 3] => xanchor xaxis;
+            $m.ngeom(), [0.0; 3] => geom_xpos;
+            $m.ngeom(), IDENTITY => geom_xmat;
+            $m.nsite(), [0.0; 3] => site_xpos;
+            $m.nsite(), IDENTITY => site_xmat;
+            $m.nv(), [0.0; 6] => cdof cdof_dot;
+        }
+    };
+    ($d:ident, $do:path: $($length:expr, $value:expr => $($array:ident)+;)+) => {
+        $($($do(&mut $d.$array, $length, $value);)+)+
+    };
+}
+pub(crate) use arrays;
+
+/// Fills an array with a value.
+fn fill<T: Clone>(array: &mut [T], _length: usize, value: T) {
+    array.fill(value);
+}
+
+const UNTURNED: [f64; 4] = [1.0, 0.0, 0.0, 0.0];
+
+impl Data {
+    /// The data of a model in its initial configuration. It allocates everything that a step needs.
+    ///
+    /// Positions are `qpos0`, velocities and controls zero. Nothing is computed yet: call
+    /// [`forward`] to see positions of bodies.
+    #[must_use]
+    pub fn new(m: &Model) -> Self {
+        let mut data = Self::default();
+        data.reset(m);
+        data
+    }
+
+    /// The values of a sensor.
+    ///
+    /// # Panics
+    /// If the model has no such sensor.
+    #[must_use]
+    pub fn sensor(&self, m: &Model, id: usize) -> &[f64] {
+        let first = m.sensor_adr[id];
+        &self.sensordata[first..first + m.sensor_dim[id]]
+    }
+
+    /// Resets to the initial configuration: MuJoCo's `mj_resetData`.
+    pub fn reset(&mut self, m: &Model) {
+        self.clear(m);
+        (self.last, self.contact_forces) = (None, false);
+        (self.behind, self.is_ahead) = (false, false);
+    }
+
+    /// [`reset`](Self::reset) without clearing the record of the last call.
+    pub(crate) fn clear(&mut self, m: &Model) {
+        self.fit(m);
+        let d = &mut *self;
+        d.time = 0.0;
+        arrays!(d, m, fill);
+        d.qpos.copy_from_slice(&m.qpos0);
+        for b in 0..m.nbody() {
+            if let Ok(id) = usize::try_from(m.body_mocapid[b]) {
+                (d.mocap_pos[id], d.mocap_quat[id]) = (m.body_pos[b], m.body_quat[b]);
+            }
+        }
+        d.contact.clear();
+        d.efc.clear();
+        d.solver_niter.clear();
+    }
+
+    /// Whether derived arrays were computed from the state; [`resume`](Self::resume) computes them
+    /// again.
+    #[must_use]
+    pub fn is_computed(&self) -> bool {
+        self.last.is_some()
+    }
+
+    /// Whether the last call was [`step`].
+    #[must_use]
+    pub fn is_stepped(&self) -> bool {
+        self.last == Some(Call::Step)
+    }
+
+    /// The state from which the last call started, as pairs of an `mjData` field name and its
+    /// values. MuJoCo can repeat the call from it. `None` if nothing was computed yet.
+    #[must_use]
+    pub fn start(&self) -> Option<[(&'static str, &[f64]); 10]> {
+        let from = self.last.map(|_| &self.before)?;
+        Some([
+            ("time", std::slice::from_ref(&from.time)),
+            ("qpos", &from.qpos),
+            ("qvel", &from.qvel),
+            ("ctrl", &from.ctrl),
+            ("qacc_warmstart", &from.qacc_warmstart),
+            ("act", &from.act),
+            ("mocap_pos", from.mocap_pos.as_flattened()),
+            ("mocap_quat", from.mocap_quat.as_flattened()),
+            ("qfrc_applied", &from.qfrc_applied),
+            ("xfrc_applied", from.xfrc_applied.as_flattened()),
+        ])
+    }
+
+    /// Repeats the last call to compute the arrays that are not serialised. Not needed before a
+    /// step or a forward call.
+    ///
+    /// # Panics
+    /// If the data is of another model; see [`check`](Self::check).
+    pub fn resume(&mut self, m: &Model) {
+        self.fit(m);
+        let Some(last) = self.last else { return };
+        let (now, contact_forces) = (self.state(), self.contact_forces);
+        let mut before = std::mem::take(&mut self.before);
+        before.qfrc_applied.resize(m.nv(), 0.0);
+        before.xfrc_applied.resize(m.nbody(), [0.0; 6]);
+        self.set(&before);
+        match last {
+            Call::Forward => forward(m, self),
+            Call::Step => step(m, self),
+            Call::Step1 => step1(m, self),
+            Call::Step2 => {
+                step1(m, self);
+                step2(m, self);
+            }
+            Call::Inverse => {
+                self.qacc.copy_from_slice(&before.qacc);
+                inverse(m, self);
+            }
+        }
+        if contact_forces {
+            rne_post_constraint(m, self);
+        }
+        self.set(&now);
+        self.qfrc_applied.resize(m.nv(), 0.0);
+        self.xfrc_applied.resize(m.nbody(), [0.0; 6]);
+    }
+
+    fn state(&self) -> State {
+        let mut state = State::default();
+        self.copy_state(&mut state, self.is_pushed());
+        state
+    }
+
+    /// Copies the state to `state`, with empty force arrays if no force is applied.
+    fn copy_state(&self, state: &mut State, pushed: bool) {
+        state.time = self.time;
+        for_parts!(self, &mut *state, clone_from);
+        self.copy_applied(state, pushed);
+    }
+
+    fn copy_applied(&self, state: &mut State, pushed: bool) {
+        if pushed {
+            state.qfrc_applied.clone_from(&self.qfrc_applied);
+            state.xfrc_applied.clone_from(&self.xfrc_applied);
+        } else {
+            state.qfrc_applied.clear();
+            state.xfrc_applied.clear();
+        }
+    }
+
+    /// Whether an external force is applied.
+    pub(crate) fn is_pushed(&self) -> bool {
+        let applied = [&self.qfrc_applied[..], self.xfrc_applied.as_flattened()];
+        // the bits of all numbers, without signs: a loop without an early exit vectorises
+        let numbers = applied.into_iter().flatten();
+        let bits = numbers.fold(0, |bits, x| bits | x.to_bits());
+        bits << 1 != 0
+    }
+
+    fn set(&mut self, state: &State) {
+        self.time = state.time;
+        for_parts!(state, &mut *self, clone_from);
+        self.qfrc_applied.clone_from(&state.qfrc_applied);
+        self.xfrc_applied.clone_from(&state.xfrc_applied);
+    }
+
+    /// Stores the state from which a call starts.
+    #[inline]
+    pub(crate) fn begin(&mut self, m: &Model, call: Call) {
+        self.pass(m);
+        self.work.skips = false;
+        self.last = Some(call);
+        let mut before = std::mem::take(&mut self.before);
+        self.copy_state(&mut before, self.work.pushed);
+        before.qacc.clear();
+        if call == Call::Inverse {
+            before.qacc.clone_from(&self.qacc);
+        }
+        self.before = before;
+    }
+
+    /// Prepares a timestep that neither stores its initial state nor computes the geom and site
+    /// frames that no stage of the timestep reads.
+    #[inline]
+    pub(crate) fn pass(&mut self, m: &Model) {
+        self.fit(m);
+        (self.last, self.contact_forces) = (None, false);
+        (self.behind, self.is_ahead) = (false, false);
+        self.work.pushed = self.is_pushed();
+        self.work.skips = true;
+    }
+
+    /// Stores the state from which the second half of a step starts, in addition to the state of
+    /// the first half.
+    pub(crate) fn go_on(&mut self, m: &Model) {
+        if !matches!(self.last, Some(Call::Step1 | Call::Forward)) {
+            return self.begin(m, Call::Step2);
+        }
+        (self.last, self.contact_forces) = (Some(Call::Step2), false);
+        self.work.pushed = self.is_pushed();
+        let mut before = std::mem::take(&mut self.before);
+        before.ctrl.clone_from(&self.ctrl);
+        before.act.clone_from(&self.act);
+        before.qacc_warmstart.clone_from(&self.qacc_warmstart);
+        self.copy_applied(&mut before, self.work.pushed);
+        self.before = before;
+    }
+
+    /// Checks that the data fits the model, for instance after reading a snapshot.
+    ///
+    /// # Errors
+    /// [`Error::Data`] if an array of the state has another length than the model's, or a number
+    /// exceeds the engine's bounds.
+    pub fn check(&self, m: &Model) -> Result<()> {
+        let (before, now) = (self.last.map(|_| &self.before), &self.state());
+        for state in before.into_iter().chain([now]) {
+            let none = state.qfrc_applied.is_empty() && state.xfrc_applied.is_empty();
+            let applied = |length: usize| if none { 0 } else { length };
+            let inverse = self.last == Some(Call::Inverse) && state.qacc.len() == m.nv();
+            let (mocap_pos, mocap_quat) = (
+                state.mocap_pos.as_flattened(),
+                state.mocap_quat.as_flattened(),
+            );
+            let xfrc = state.xfrc_applied.as_flattened();
+            let (mocap, nqacc) = (m.nmocap(), if inverse { m.nv() } else { 0 });
+            for (name, numbers, length, most) in [
+                ("qpos", &state.qpos[..], m.nq(), MAXVAL),
+                ("qvel", &state.qvel, m.nv(), MAXVAL),
+                ("ctrl", &state.ctrl, m.nu(), f64::from(f32::MAX)),
+                ("qacc_warmstart", &state.qacc_warmstart, m.nv(), MAXVAL),
+                ("act", &state.act, m.na(), MAXVAL),
+                ("mocap_pos", mocap_pos, 3 * mocap, MAXVAL),
+                ("mocap_quat", mocap_quat, 4 * mocap, MAXVAL),
+                ("qfrc_applied", &state.qfrc_applied, applied(m.nv()), MAXVAL),
+                ("xfrc_applied", xfrc, applied(6 * m.nbody()), MAXVAL),
+                ("qacc", &state.qacc, nqacc, MAXVAL),
+            ] {
+                let have = numbers.len();
+                if have != length {
+                    let reason = format!("{name} has {have} elements, the model needs {length}");
+                    return Err(Error::Data(reason));
+                }
+                if let Some(x) = numbers.iter().find(|x| x.is_nan() || x.abs() > most) {
+                    let reason = format!("{name} has {x}: numbers must lie within ±{most:e}");
+                    return Err(Error::Data(reason));
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// Resizes every array to the sizes of the model. Arrays of the right length do not change.
+    pub(crate) fn fit(&mut self, m: &Model) {
+        if self.work.fits(m) {
+            return;
+        }
+        let d = &mut *self;
+        arrays!(d, m, Vec::resize);
+        self.ahead.reserve(most_len(m));
+        self.work = Work::new(m);
+        let bounds = m.plan().bounds();
+        self.contact.reserve(bounds.contacts);
+        self.efc.reserve(&bounds, m.nv());
+        self.solver_niter.reserve(m.ntree());
+    }
+}

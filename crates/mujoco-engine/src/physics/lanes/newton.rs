@@ -1,0 +1,546 @@
+//! Newton's method for several worlds at once: [`newton`](crate::physics::solver::newton), for
+//! models with one tree whose only constraints are limits and pyramidal contacts. Such rows only
+//! push.
+//!
+//! All worlds iterate together. A world that has converged keeps its accelerations. Quantities
+//! derived from the accelerations are computed again, with the same result.
+
+mod search;
+
+use fearless_simd::Simd;
+use gym_numerics::math::{Lanes, Real};
+
+use super::rows::{Rows, worlds};
+use super::tree::{cholesky, cholesky_solve, cholesky_update, dot, multiply, solve};
+use super::{Arrays, Place, Row, WORLDS, load, same, store};
+use crate::math::spatial::MINVAL;
+use crate::model::{Disable, Solver};
+use crate::physics::solver::line_search;
+use crate::{Model, Revision};
+
+type Mask<S> = <Lanes<S> as Real>::Mask;
+
+/// The buffers of the method.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Newton {
+    acc: Vec<Row>,
+    ma: Vec<Row>,
+    grad: Vec<Row>,
+    mgrad: Vec<Row>,
+    search: Vec<Row>,
+    mv: Vec<Row>,
+    constraint: Vec<Row>,
+    row_update: Vec<Row>,
+    jar: Vec<Row>,
+    jv: Vec<Row>,
+    force: Vec<Row>,
+    /// 1 for each row that pushes (its residual `jar` is negative), 0 for the others.
+    pushes: Vec<Row>,
+    /// For each row, the cost along the search direction: three coefficients of a polynomial in the
+    /// step length, and the cost at step length 0.
+    costs: Vec<[Row; 4]>,
+    hessian: Vec<Row>,
+    /// The Hessians of worlds whose factors are computed again.
+    again: Vec<Row>,
+    /// The Jacobians of the rows that push, times the stiffness of each row; `pushing` has the
+    /// indices of these rows.
+    pushed: Vec<Row>,
+    pushing: Vec<usize>,
+    /// For each world, the rows that became active or inactive in this iteration.
+    changed: [Vec<usize>; WORLDS],
+    line: Vec<line_search::Row>,
+}
+
+/// Runs `$block` for the elements from `$first` to `$n` in groups of four; the last group may be
+/// smaller. `$K` is the size of the group.
+macro_rules! by_four {
+    ($n:expr, $first:ident, $K:ident => $block:block) => {
+        while $first < $n {
+            match $n - $first {
+                1 => {
+                    const $K: usize = 1;
+                    $block
+                }
+                2 => {
+                    const $K: usize = 2;
+                    $block
+                }
+                3 => {
+                    const $K: usize = 3;
+                    $block
+                }
+                _ => {
+                    const $K: usize = 4;
+                    $block
+                }
+            }
+            $first += 4;
+        }
+    };
+}
+
+/// Returns elements `first..first + K` of the sum of all vectors, each times its factor.
+#[inline(always)]
+fn sums<'a, S: Simd, const K: usize>(
+    at: Place<S>,
+    first: usize,
+    terms: impl Iterator<Item = (&'a [Row], &'a Row)>,
+) -> [Lanes<S>; K] {
+    let mut sums = [same(at, 0.0); K];
+    for (vector, factor) in terms {
+        let Some(vector) = vector.get(first..).and_then(<[Row]>::first_chunk::<K>) else {
+            break;
+        };
+        let factor = load::<S>(at, factor);
+        for k in 0..K {
+            sums[k] = sums[k] + load(at, &vector[k]) * factor;
+        }
+    }
+    sums
+}
+
+/// The result of a line search: for each world, the step length and the improvement of the cost.
+type Found = [Row; 2];
+
+impl Newton {
+    pub(super) fn new(m: &Model) -> Self {
+        if m.opt.solver != Solver::Newton {
+            return Self::default();
+        }
+        let (nv, rows) = (m.nv(), m.plan().bounds().rows);
+        let dofs = || vec![Row::ZERO; nv];
+        let of_rows = || vec![Row::ZERO; rows];
+        Self {
+            acc: dofs(),
+            ma: dofs(),
+            grad: dofs(),
+            mgrad: dofs(),
+            search: dofs(),
+            mv: dofs(),
+            constraint: dofs(),
+            row_update: dofs(),
+            jar: of_rows(),
+            jv: of_rows(),
+            force: of_rows(),
+            pushes: of_rows(),
+            costs: vec![[Row::ZERO; 4]; rows],
+            hessian: vec![Row::ZERO; nv * nv],
+            again: vec![Row::ZERO; nv * nv],
+            pushed: vec![Row::ZERO; rows * nv],
+            pushing: Vec::with_capacity(rows),
+            changed: std::array::from_fn(|_| Vec::with_capacity(rows)),
+            line: Vec::with_capacity(rows),
+        }
+    }
+
+    /// Returns the forces of the constraint rows.
+    pub(super) fn forces(&self) -> &[Row] {
+        &self.force
+    }
+
+    /// Computes `qacc` and `qfrc_constraint` of all worlds that have rows.
+    #[inline(always)]
+    pub(super) fn solve<S: Simd>(
+        &mut self,
+        m: &Model,
+        at: Place<S>,
+        a: &mut Arrays,
+        rows: &Rows,
+        live: u64,
+    ) {
+        let simd = at.0;
+        let mut has = Row::ZERO;
+        for world in worlds(live, at.1) {
+            has.0[world] = f64::from(rows.count[world] > 0);
+        }
+        simd.vectorize(
+            #[inline(always)]
+            || self.start(m, at, a, rows),
+        );
+        self.iterate(m, at, a, rows, &has);
+        simd.vectorize(
+            #[inline(always)]
+            || {
+                let has: Mask<S> = load::<S>(at, &has).gt(same(at, 0.5));
+                for i in 0..m.nv() {
+                    let (acc, smooth) = (load(at, &self.acc[i]), load(at, &a.qacc_smooth[i]));
+                    store(at, &mut a.qacc[i], Lanes::select(has, acc, smooth));
+                    let force = load(at, &self.constraint[i]);
+                    let force = Lanes::select(has, force, same(at, 0.0));
+                    store(at, &mut a.qfrc_constraint[i], force);
+                }
+            },
+        );
+    }
+
+    /// Starts at the last step's accelerations, or at the accelerations without constraints if
+    /// these have a lower cost.
+    #[inline(always)]
+    fn start<S: Simd>(&mut self, m: &Model, at: Place<S>, a: &Arrays, rows: &Rows) {
+        let (n, zero) = (m.nv(), same::<S>(at, 0.0));
+        // `jv` holds the residuals without constraints here; later it holds `J search`
+        rows.multiply(n, at, &a.qacc_smooth, Some(&rows.aref), &mut self.jv);
+        rows.multiply(n, at, &a.warm, Some(&rows.aref), &mut self.jar);
+        multiply(m, at, &a.qm, &a.warm, &mut self.ma);
+        let (cost,) = (
+            #[inline(always)]
+            |jar: &[Row]| {
+                let mut cost = zero;
+                for (jar, d) in jar[..rows.used].iter().zip(&rows.d) {
+                    let (jar, d): (Lanes<S>, Lanes<S>) = (load(at, jar), load(at, d));
+                    cost = cost + Lanes::select(jar.lt(zero), d * 0.5 * jar * jar, zero);
+                }
+                cost
+            },
+        );
+        let mut warm = cost(&self.jar);
+        for i in 0..n {
+            let force = load::<S>(at, &self.ma[i]) - load(at, &a.qfrc_smooth[i]);
+            let apart = load::<S>(at, &a.warm[i]) - load(at, &a.qacc_smooth[i]);
+            warm = warm + force * 0.5 * apart;
+        }
+        let mut cold = warm.gt(cost(&self.jv));
+        if m.opt.disables(Disable::WarmStart) {
+            cold = zero.le(zero);
+        }
+        for i in 0..n {
+            let (smooth, warm) = (load(at, &a.qacc_smooth[i]), load(at, &a.warm[i]));
+            store(at, &mut self.acc[i], Lanes::select(cold, smooth, warm));
+        }
+        if Lanes::<S>::any(cold) {
+            multiply(m, at, &a.qm, &self.acc, &mut self.ma);
+        }
+        for (row, smooth) in self.jv[..rows.used].iter().enumerate() {
+            let jar = Lanes::select(cold, load(at, smooth), load(at, &self.jar[row]));
+            store(at, &mut self.jar[row], jar);
+            let pushes = Lanes::select(jar.lt(zero), zero.same(1.0), zero);
+            store(at, &mut self.pushes[row], pushes);
+        }
+    }
+
+    #[inline(always)]
+    fn iterate<S: Simd>(&mut self, m: &Model, at: Place<S>, a: &Arrays, rows: &Rows, has: &Row) {
+        let (simd, n) = (at.0, m.nv());
+        let mut control = Control {
+            active: *has,
+            ..Control::default()
+        };
+        loop {
+            let go_on = simd.vectorize(
+                #[inline(always)]
+                || {
+                    if control.iteration == 0 {
+                        let mut inertia = same::<S>(at, 0.0);
+                        for i in 0..n {
+                            inertia = inertia + load(at, &a.qm[m.plan().m_diagonal(i)]);
+                        }
+                        store(at, &mut control.scale, inertia.same(1.0) / inertia);
+                    }
+                    self.update(m, at, a, rows);
+                    self.check(m, at, a, &mut control)
+                },
+            );
+            if !go_on {
+                return;
+            }
+            if control.iteration == 0 {
+                simd.vectorize(
+                    #[inline(always)]
+                    || self.make_hessian(m, at, a, rows, None),
+                );
+            } else {
+                let mut again = Row::ZERO;
+                let anew = simd.vectorize(
+                    #[inline(always)]
+                    || self.update_hessian(m, at, rows, &control.active, &mut again),
+                );
+                if anew {
+                    simd.vectorize(
+                        #[inline(always)]
+                        || self.make_hessian(m, at, a, rows, Some(&again)),
+                    );
+                }
+            }
+            let go_on = simd.vectorize(
+                #[inline(always)]
+                || self.direction(m, at, &mut control),
+            );
+            if !go_on {
+                return;
+            }
+            let mut found = [Row::ZERO; 2];
+            let stuck = simd.vectorize(
+                #[inline(always)]
+                || self.search(m, at, a, rows, &control, &mut found),
+            );
+            self.finish_search(m, rows, stuck, &mut found, at.1);
+            let go_on = simd.vectorize(
+                #[inline(always)]
+                || self.advance(at, rows, &mut control, &found),
+            );
+            if !go_on {
+                return;
+            }
+        }
+    }
+
+    /// Computes the forces of the rows, the resulting forces on the joints, and the gradient.
+    #[inline(always)]
+    fn update<S: Simd>(&mut self, m: &Model, at: Place<S>, a: &Arrays, rows: &Rows) {
+        let (n, zero) = (m.nv(), same::<S>(at, 0.0));
+        for row in 0..rows.used {
+            let jar = load(at, &self.jar[row]);
+            let force = -load::<S>(at, &rows.d[row]) * jar;
+            let force = Lanes::select(jar.lt(zero), force, zero);
+            store(at, &mut self.force[row], force);
+        }
+        let mut first = 0;
+        by_four!(n, first, K => {
+            let terms = rows.jac.chunks_exact(n).zip(&self.force[..rows.used]);
+            let sums = sums::<S, K>(at, first, terms);
+            for (i, sum) in (first..).zip(sums) {
+                store(at, &mut self.constraint[i], sum);
+                let grad = load::<S>(at, &self.ma[i]) - load(at, &a.qfrc_smooth[i]) - sum;
+                store(at, &mut self.grad[i], grad);
+            }
+        });
+    }
+
+    /// Returns the scaled reduction of the cost that a full Newton step predicts.
+    #[inline(always)]
+    fn decrement<S: Simd>(&self, at: Place<S>, scale: Lanes<S>) -> Lanes<S> {
+        let x = scale * 0.5 * dot(at, &self.grad, &self.mgrad);
+        let zero = x.same(0.0);
+        Lanes::select(x.gt(zero), x, zero)
+    }
+
+    /// Stops worlds with a small gradient or a small last improvement. Returns whether any world
+    /// continues.
+    #[inline(always)]
+    fn check<S: Simd>(
+        &mut self,
+        m: &Model,
+        at: Place<S>,
+        a: &Arrays,
+        control: &mut Control,
+    ) -> bool {
+        let tolerance = same(at, m.opt.tolerance);
+        let (scale, zero) = (load::<S>(at, &control.scale), same(at, 0.0));
+        let active: Mask<S> = load::<S>(at, &control.active).gt(zero);
+        let length = dot(at, &self.grad, &self.grad).sqrt();
+        let level = (scale * length).lt(tolerance);
+        let stop = if control.iteration > 0 {
+            let improvement = load(at, &control.improvement);
+            level | (zero.lt(improvement) & improvement.lt(tolerance))
+        } else {
+            if Lanes::<S>::any(active & level) {
+                // half of the gradient's square, in the norm of `M^-1`, bounds the possible
+                // improvement
+                self.mgrad.copy_from_slice(&self.grad);
+                solve(m, at, &a.qld, &a.qld_diag_inv, &mut self.mgrad);
+            }
+            let one = zero.same(1.0);
+            store(at, &mut control.level, Lanes::select(level, one, zero));
+            level & self.decrement(at, scale).lt(tolerance)
+        };
+        control.keep(at, Lanes::<S>::but_not(active, stop))
+    }
+
+    /// Computes the search direction. Stops worlds with a small predicted improvement. Returns
+    /// whether any world continues.
+    #[inline(always)]
+    fn direction<S: Simd>(&mut self, m: &Model, at: Place<S>, control: &mut Control) -> bool {
+        let n = m.nv();
+        self.mgrad.copy_from_slice(&self.grad);
+        let descending = m.revision == Revision::V4_0;
+        cholesky_solve(at, n, &self.hessian, &mut self.mgrad, descending);
+        if control.iteration == m.opt.iterations {
+            return false;
+        }
+        let (scale, zero) = (load::<S>(at, &control.scale), same(at, 0.0));
+        let mut small = self.decrement(at, scale).lt(same(at, m.opt.tolerance));
+        if control.iteration == 0 {
+            small &= load::<S>(at, &control.level).gt(zero);
+        }
+        for (search, mgrad) in self.search.iter_mut().zip(&self.mgrad) {
+            store(at, search, load::<S>(at, mgrad) * -1.0);
+        }
+        let active: Mask<S> = load::<S>(at, &control.active).gt(zero);
+        control.keep(at, Lanes::<S>::but_not(active, small))
+    }
+
+    /// Builds and factors the Hessian of the cost: for the worlds in `which`, or for all worlds.
+    #[inline(always)]
+    fn make_hessian<S: Simd>(
+        &mut self,
+        m: &Model,
+        at: Place<S>,
+        a: &Arrays,
+        rows: &Rows,
+        which: Option<&Row>,
+    ) {
+        let (n, plan, zero) = (m.nv(), m.plan(), same::<S>(at, 0.0));
+        self.pushing.clear();
+        for row in 0..rows.used {
+            let pushes = load::<S>(at, &self.pushes[row]).gt(zero);
+            if !Lanes::<S>::any(pushes) {
+                continue;
+            }
+            let d = Lanes::select(pushes, load(at, &rows.d[row]), zero);
+            let place = self.pushing.len() * n;
+            let jac = &rows.jac[row * n..(row + 1) * n];
+            for (pushed, jac) in self.pushed[place..place + n].iter_mut().zip(jac) {
+                store(at, pushed, load::<S>(at, jac) * d);
+            }
+            self.pushing.push(row);
+        }
+        let into = if which.is_some() {
+            &mut self.again
+        } else {
+            &mut self.hessian
+        };
+        for (i, column) in into.chunks_exact_mut(n).enumerate() {
+            let mut first = i;
+            by_four!(n, first, K => {
+                let pushing = self.pushing.iter().zip(self.pushed.chunks_exact(n));
+                let terms = pushing.map(
+                    #[inline(always)]
+                    |(&row, pushed)| (pushed, &rows.jac[row * n + i]),
+                );
+                let sums = sums::<S, K>(at, first, terms);
+                for (x, sum) in column[first..].iter_mut().zip(sums) {
+                    store(at, x, sum);
+                }
+            });
+        }
+        // as in MuJoCo, add the inertia matrix last
+        for dof in 0..n {
+            let row = plan.m_row(dof);
+            for (&column, value) in plan.m_colind[row.clone()].iter().zip(&a.qm[row]) {
+                let x = &mut into[column * n + dof];
+                store(at, x, load::<S>(at, x) + load(at, value));
+            }
+        }
+        cholesky(at, n, into, MINVAL);
+        if let Some(which) = which {
+            let which: Mask<S> = load::<S>(at, which).gt(zero);
+            for (x, again) in self.hessian.iter_mut().zip(&self.again) {
+                store(at, x, Lanes::select(which, load(at, again), load(at, x)));
+            }
+        }
+    }
+
+    /// Updates the factors for the rows that began or ceased to push. Returns whether any world
+    /// needs a new factorisation; `again` marks these worlds.
+    #[inline(always)]
+    fn update_hessian<S: Simd>(
+        &mut self,
+        m: &Model,
+        at: Place<S>,
+        rows: &Rows,
+        active: &Row,
+        again: &mut Row,
+    ) -> bool {
+        let (n, zero) = (m.nv(), same::<S>(at, 0.0));
+        let (one, first) = (zero.same(1.0), at.1);
+        let active: Mask<S> = load::<S>(at, active).gt(zero);
+        for world in first..first + Lanes::<S>::LANES {
+            self.changed[world].clear();
+        }
+        let mut most = 0;
+        for row in 0..rows.used {
+            let pushes = load::<S>(at, &self.jar[row]).lt(zero);
+            let before = load::<S>(at, &self.pushes[row]).gt(zero);
+            let changed = Lanes::<S>::but_not(pushes, before) | Lanes::<S>::but_not(before, pushes);
+            let changed = Lanes::<S>::bits(changed & active);
+            if changed != 0 {
+                let pushes = Lanes::select(pushes, one, zero);
+                let pushes = Lanes::select(active, pushes, load(at, &self.pushes[row]));
+                store(at, &mut self.pushes[row], pushes);
+                for world in worlds(changed, first) {
+                    self.changed[world].push(row);
+                    most = most.max(self.changed[world].len());
+                }
+            }
+        }
+        let mut indefinite = zero.lt(zero);
+        // in each round, update every world for its next changed row
+        for round in 0..most {
+            let (mut which, mut adds) = (Row::ZERO, Row::ZERO);
+            for world in first..first + Lanes::<S>::LANES {
+                let Some(&row) = self.changed[world].get(round) else {
+                    continue;
+                };
+                which.0[world] = 1.0;
+                adds.0[world] = self.pushes[row].0[world];
+                let root = rows.d[row].0[world].sqrt();
+                let jac = &rows.jac[row * n..(row + 1) * n];
+                for (x, jac) in self.row_update.iter_mut().zip(jac) {
+                    x.0[world] = jac.0[world] * root;
+                }
+            }
+            let which = load::<S>(at, &which).gt(zero);
+            let adds = load::<S>(at, &adds).gt(zero);
+            let masks = (Lanes::<S>::but_not(which, indefinite), adds);
+            let (factor, x) = (&mut self.hessian, &mut self.row_update);
+            indefinite |= cholesky_update(at, n, factor, x, masks, MINVAL);
+        }
+        store(at, again, Lanes::select(indefinite, one, zero));
+        Lanes::<S>::any(indefinite)
+    }
+
+    /// Moves each active world along its search direction. Returns whether any world continues.
+    #[inline(always)]
+    fn advance<S: Simd>(
+        &mut self,
+        at: Place<S>,
+        rows: &Rows,
+        control: &mut Control,
+        found: &Found,
+    ) -> bool {
+        let zero = same::<S>(at, 0.0);
+        let active: Mask<S> = load::<S>(at, &control.active).gt(zero);
+        let alpha = load::<S>(at, &found[0]);
+        let active = Lanes::<S>::but_not(active, alpha.abs().le(zero));
+        let improvement = load::<S>(at, &control.scale) * load(at, &found[1]);
+        store(at, &mut control.improvement, improvement);
+        control.iteration += 1;
+        let (step,) = (
+            #[inline(always)]
+            |to: &mut [Row], along: &[Row]| {
+                for (to, along) in to.iter_mut().zip(along) {
+                    let before = load::<S>(at, to);
+                    let after = before + load::<S>(at, along) * alpha;
+                    store(at, to, Lanes::select(active, after, before));
+                }
+            },
+        );
+        step(&mut self.acc, &self.search);
+        step(&mut self.ma, &self.mv);
+        step(&mut self.jar[..rows.used], &self.jv);
+        control.keep(at, active)
+    }
+}
+
+/// The state of the iteration.
+#[derive(Clone, Copy, Debug, Default)]
+struct Control {
+    iteration: usize,
+    /// 1 for each world that continues, 0 for the others.
+    active: Row,
+    /// 1 for each world whose gradient was small at the start.
+    level: Row,
+    scale: Row,
+    improvement: Row,
+}
+
+impl Control {
+    /// Sets `active`, and returns whether any world continues.
+    #[inline(always)]
+    fn keep<S: Simd>(&mut self, at: Place<S>, active: Mask<S>) -> bool {
+        let zero = same::<S>(at, 0.0);
+        let ones = Lanes::select(active, zero.same(1.0), zero);
+        store(at, &mut self.active, ones);
+        Lanes::<S>::any(active)
+    }
+}

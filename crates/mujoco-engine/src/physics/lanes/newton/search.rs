@@ -1,0 +1,139 @@
+//! The line search, for several worlds.
+
+use fearless_simd::Simd;
+use gym_numerics::math::{Lanes, Real};
+
+use super::{Control, Found, Mask, Newton};
+use crate::Model;
+use crate::math::spatial::MINVAL;
+use crate::physics::lanes::rows::{Rows, worlds};
+use crate::physics::lanes::tree::{dot, multiply};
+use crate::physics::lanes::{Arrays, Place, Row, load, same, store};
+use crate::physics::solver::line_search;
+
+impl Newton {
+    /// Searches in all worlds together until each minimum is found or bracketed, and writes step
+    /// lengths and improvements. Returns a bit for each world whose search must continue within the
+    /// bracket, and the arguments of [`finish_search`](Self::finish_search): linear term, quadratic
+    /// term, and the slope that counts as zero.
+    #[inline(always)]
+    pub(super) fn search<S: Simd>(
+        &mut self,
+        m: &Model,
+        at: Place<S>,
+        a: &Arrays,
+        rows: &Rows,
+        control: &Control,
+        found: &mut Found,
+    ) -> (u64, [Row; 3]) {
+        let (n, zero) = (m.nv(), same::<S>(at, 0.0));
+        let active: Mask<S> = load::<S>(at, &control.active).gt(zero);
+        let length = dot(at, &self.search, &self.search).sqrt();
+        let active = Lanes::<S>::but_not(active, length.lt(zero.same(MINVAL)));
+        multiply(m, at, &a.qm, &self.search, &mut self.mv);
+        rows.multiply(n, at, &self.search, None, &mut self.jv);
+        for row in 0..rows.used {
+            let (jar, jv) = (load::<S>(at, &self.jar[row]), load(at, &self.jv[row]));
+            let d = load::<S>(at, &rows.d[row]);
+            let force = d * jar;
+            let quad = [jar * force * 0.5, jv * force, jv * d * jv * 0.5];
+            let cost = Lanes::select(jar.lt(zero), quad[0], zero);
+            let costs = &mut self.costs[row];
+            for (to, x) in costs.iter_mut().zip([quad[0], quad[1], quad[2], cost]) {
+                store(at, to, x);
+            }
+        }
+        let linear = dot::<S>(at, &self.search, &self.ma) - dot(at, &a.qfrc_smooth, &self.search);
+        let quadratic = dot::<S>(at, &self.search, &self.mv) * 0.5;
+        let opt = &m.opt;
+        let scale = load(at, &control.scale);
+        let flat = length * (opt.tolerance * opt.ls_tolerance) / scale;
+        let least = zero.same(MINVAL);
+        // returns cost, slope and curvature at a step length
+        let (point,) = (
+            #[inline(always)]
+            |alpha: Lanes<S>| {
+                let (mut cost, mut quad) = (zero, [zero, linear, quadratic]);
+                for row in 0..rows.used {
+                    let [q0, q1, q2, start] = self.costs[row].each_ref().map(
+                        #[inline(always)]
+                        |x| load::<S>(at, x),
+                    );
+                    let (jar, jv) = (load::<S>(at, &self.jar[row]), load(at, &self.jv[row]));
+                    let pushes = (jar + alpha * jv).lt(zero);
+                    quad[0] = quad[0] + Lanes::select(pushes, q0 - start, zero);
+                    quad[1] = quad[1] + Lanes::select(pushes, q1, zero);
+                    quad[2] = quad[2] + Lanes::select(pushes, q2, zero);
+                    cost = cost - Lanes::select(pushes, zero, start);
+                }
+                cost = cost + (alpha * alpha * quad[2] + alpha * quad[1] + quad[0]);
+                let curvature = quad[2] * 2.0;
+                let slope = alpha * 2.0 * quad[2] + quad[1];
+                let curvature = Lanes::select(curvature.le(zero), least, curvature);
+                (cost, slope, curvature)
+            },
+        );
+        let (_, slope, curvature) = point(zero);
+        let mut alpha = zero - slope / curvature;
+        let (mut cost, mut slope, mut curvature) = point(alpha);
+        let mut evaluations = 2;
+        let still = alpha.abs().le(zero);
+        let done = slope.abs().lt(flat) & (still | cost.lt(zero));
+        let open = Lanes::<S>::but_not(active, done);
+        let one = zero.same(1.0);
+        let ahead = Lanes::select(slope.lt(zero), one, -one);
+        let mut walks = open & (slope * ahead).le(-flat);
+        let mut stuck = Lanes::<S>::but_not(open, walks);
+        // take Newton steps in one direction until a step passes the minimum
+        while Lanes::<S>::any(walks) && evaluations < opt.ls_iterations {
+            let next = alpha - slope / curvature;
+            let (c, s, k) = point(next);
+            evaluations += 1;
+            alpha = Lanes::select(walks, next, alpha);
+            cost = Lanes::select(walks, c, cost);
+            slope = Lanes::select(walks, s, slope);
+            curvature = Lanes::select(walks, k, curvature);
+            let done = slope.abs().lt(flat) & cost.lt(zero);
+            let open = Lanes::<S>::but_not(walks, done);
+            walks = open & (slope * ahead).le(-flat);
+            stuck |= Lanes::<S>::but_not(open, walks);
+        }
+        store(at, &mut found[0], Lanes::select(active, alpha, zero));
+        store(at, &mut found[1], -cost);
+        let mut along = [Row::ZERO; 3];
+        for (to, x) in along.iter_mut().zip([linear, quadratic, flat]) {
+            store(at, to, x);
+        }
+        (Lanes::<S>::bits(stuck), along)
+    }
+
+    /// Finishes the search of the worlds `stuck` within their brackets, world by world, because few
+    /// worlds need this.
+    pub(super) fn finish_search(
+        &mut self,
+        m: &Model,
+        rows: &Rows,
+        (stuck, along): (u64, [Row; 3]),
+        found: &mut Found,
+        first: usize,
+    ) {
+        for world in worlds(stuck, first) {
+            self.line.clear();
+            for row in 0..rows.count[world] {
+                let of = |vector: &[Row]| vector[row].0[world];
+                let row = line_search::Row::new(of(&self.jar), of(&self.jv), of(&rows.d));
+                self.line.push(row);
+            }
+            let [linear, quadratic, flat] = along.each_ref().map(|row| row.0[world]);
+            let along = line_search::Along {
+                rows: &self.line,
+                pieces: &[],
+                linear,
+                quadratic,
+                evaluations: 0,
+            };
+            let (alpha, gain) = line_search::line_search(along, flat, m.opt.ls_iterations);
+            (found[0].0[world], found[1].0[world]) = (alpha, gain);
+        }
+    }
+}

@@ -1,0 +1,411 @@
+//! Constraint rows of several worlds. In each lane, the world's rows come first in the arrays; the
+//! elements after the world's last row are zero.
+//!
+//! Limits, bounding spheres and contacts with planes are computed for all worlds at once. Other
+//! contacts are rare, and are computed world by world.
+
+use fearless_simd::Simd;
+use gym_numerics::math::{Lanes, Real};
+
+use super::tree::dot;
+use super::{Arrays, Place, Row, WORLDS, load, same, store};
+use crate::math::number;
+use crate::math::spatial::{add, column, scale};
+use crate::model::{GeomType, Pair};
+use crate::physics::collision::{Polytope, ROUNDING, above_plane, contact_at, frame, touch};
+use crate::physics::constraint::{contact_jacobian, pyramid, regularization};
+use crate::{Contact, Model};
+
+/// The constraint rows of all worlds.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Rows {
+    /// The Jacobians, `nv` numbers for each row.
+    pub(super) jac: Vec<Row>,
+    /// The stiffness of each row: MuJoCo's `efc_D` (inverse constraint mass).
+    pub(super) d: Vec<Row>,
+    /// The regularisation of each row: `1 / d`.
+    pub(super) r: Vec<Row>,
+    pub(super) aref: Vec<Row>,
+    /// The reference acceleration is `-damping * velocity - rest`.
+    damping: Vec<Row>,
+    rest: Vec<Row>,
+    /// The number of rows of each world.
+    pub(super) count: [usize; WORLDS],
+    /// The largest element of `count`.
+    pub(super) used: usize,
+    /// The active contacts of each world. Contacts with planes are listed only if `keeps` is true.
+    pub(super) contacts: [Vec<Contact>; WORLDS],
+    /// Whether the environment reads contact forces after a step.
+    keeps: bool,
+    polytope: Polytope,
+    /// A buffer: the degrees of freedom that move a contact, each with its column of the contact's
+    /// Jacobian.
+    moved: Vec<(usize, [Row; 4])>,
+}
+
+/// Iterates over the worlds whose bits are set in `bits`. Bit 0 is world `first`.
+#[inline(always)]
+pub(super) fn worlds(mut bits: u64, first: usize) -> impl Iterator<Item = usize> {
+    std::iter::from_fn(
+        #[inline(always)]
+        move || {
+            let lane = bits.trailing_zeros() as usize;
+            bits &= bits.wrapping_sub(1);
+            (lane < 64).then_some(first + lane)
+        },
+    )
+}
+
+impl Rows {
+    /// Allocates the rows. `keeps` is true if the environment reads contact forces after a step.
+    pub(super) fn new(m: &Model, keeps: bool) -> Self {
+        let (bounds, nv) = (m.plan().bounds(), m.nv());
+        let mut buffers = Self {
+            contacts: std::array::from_fn(|_| Vec::with_capacity(bounds.contacts)),
+            moved: Vec::with_capacity(nv),
+            keeps,
+            polytope: Polytope::new(m.plan().deep),
+            ..Self::default()
+        };
+        buffers.reserve(nv, bounds.rows);
+        buffers
+    }
+
+    /// Makes room for `rows` rows.
+    #[cold]
+    fn reserve(&mut self, nv: usize, rows: usize) {
+        self.jac.resize(rows * nv, Row::ZERO);
+        for column in self.columns() {
+            column.resize(rows, Row::ZERO);
+        }
+    }
+
+    fn columns(&mut self) -> [&mut Vec<Row>; 5] {
+        [
+            &mut self.d,
+            &mut self.r,
+            &mut self.aref,
+            &mut self.damping,
+            &mut self.rest,
+        ]
+    }
+
+    /// Builds the rows of the worlds in `live`: limits, then contacts.
+    #[inline(always)]
+    pub(super) fn make<S: Simd>(&mut self, m: &Model, at: Place<S>, a: &Arrays, live: u64) {
+        let (_, first) = at;
+        self.used = 0;
+        for world in first..first + Lanes::<S>::LANES {
+            self.count[world] = 0;
+            self.contacts[world].clear();
+        }
+        let (plan, nv) = (m.plan(), m.nv());
+        for limit in &plan.limits {
+            let q: Lanes<S> = load(at, &a.qpos[limit.qpos]);
+            let [lower, upper] = limit.range;
+            for (side, dist) in [(1.0, q - lower), (-1.0, q.same(upper) - q)] {
+                let near = Lanes::<S>::bits(dist.lt(q.same(limit.margin))) & live;
+                if near == 0 {
+                    continue;
+                }
+                let mut dists = Row::ZERO;
+                store(at, &mut dists, dist);
+                for world in worlds(near, first) {
+                    let row = self.open(nv, world);
+                    self.jac[row * nv + limit.dof].0[world] = side;
+                    let (softness, beyond) = (&limit.softness, dists.0[world] - limit.margin);
+                    let (impedance, _) = softness.impedance(dists.0[world], limit.margin);
+                    let r = regularization(impedance, limit.diag);
+                    self.set(row, world, r, softness.damping);
+                    self.rest[row].0[world] = softness.stiffness * impedance * beyond;
+                }
+            }
+        }
+        for (index, reach) in plan.reaches.iter().enumerate() {
+            let [g1, g2] = reach.geom;
+            let (part,) = (
+                #[inline(always)]
+                |cells: &[Row], k: usize| -> Lanes<S> { load(at, &cells[k]) },
+            );
+            let between = [0, 1, 2].map(
+                #[inline(always)]
+                |k| part(&a.geom_xpos[g2], k) - part(&a.geom_xpos[g1], k),
+            );
+            let along = if reach.plane {
+                [2, 5, 8].map(
+                    #[inline(always)]
+                    |k| part(&a.geom_xmat[g1], k),
+                )
+            } else {
+                between
+            };
+            let height = crate::math::spatial::dot(between, along);
+            let far = height.gt(height.same(reach.most));
+            let near = !Lanes::<S>::bits(far) & live;
+            if near == 0 {
+                continue;
+            }
+            if let (GeomType::Plane, GeomType::Sphere | GeomType::Capsule) = plan.pairs[index].kind
+            {
+                self.touch_plane(m, at, a, index, near);
+            } else {
+                for world in worlds(near, first) {
+                    self.touch(m, a, index, world);
+                }
+            }
+        }
+    }
+
+    /// Adds a row to a world, and returns its index.
+    #[inline(always)]
+    fn open(&mut self, nv: usize, world: usize) -> usize {
+        let row = self.count[world];
+        self.count[world] += 1;
+        if row == self.used {
+            if row == self.d.len() {
+                self.reserve(nv, 2 * row + 32);
+            }
+            self.jac[row * nv..(row + 1) * nv].fill(Row::ZERO);
+            for column in self.columns() {
+                column[row] = Row::ZERO;
+            }
+            self.used += 1;
+        }
+        row
+    }
+
+    /// Adds the rows of a contact to a world, and returns the index of the first row.
+    #[inline(always)]
+    fn open_contact(&mut self, nv: usize, pair: &Pair, dist: f64, world: usize) -> usize {
+        let first = self.count[world];
+        let softness = &pair.softness;
+        let (impedance, _) = softness.impedance(dist, pair.includemargin);
+        let (rows, r) = if pair.dim == 1 {
+            (1, regularization(impedance, pair.diag))
+        } else {
+            let (diag, edge) = pyramid(pair.diag, pair.friction[0]);
+            (4, edge(regularization(impedance, diag)))
+        };
+        let rest = softness.stiffness * impedance * (dist - pair.includemargin);
+        for _ in 0..rows {
+            let row = self.open(nv, world);
+            self.set(row, world, r, softness.damping);
+            self.rest[row].0[world] = rest;
+        }
+        first
+    }
+
+    #[inline(always)]
+    fn set(&mut self, row: usize, world: usize, r: f64, damping: f64) {
+        self.r[row].0[world] = r;
+        self.d[row].0[world] = 1.0 / r;
+        self.damping[row].0[world] = damping;
+    }
+
+    /// Adds the contacts of a plane with a sphere or capsule, and the contacts' rows, in the worlds
+    /// in which the geoms are near each other.
+    #[inline(always)]
+    fn touch_plane<S: Simd>(
+        &mut self,
+        m: &Model,
+        at: Place<S>,
+        a: &Arrays,
+        index: usize,
+        near: u64,
+    ) {
+        let (pair, nv) = (&m.plan().pairs[index], m.nv());
+        if pair.trees == [None, None] {
+            return;
+        }
+        let [plane, other] = pair.geom;
+        let [radius, half, _] = m.geom_size[other];
+        let normal = column(&number::get::<Lanes<S>, 9>(at, &a.geom_xmat[plane]), 2);
+        let origin = number::get::<Lanes<S>, 3>(at, &a.geom_xpos[plane]);
+        let centre = number::get::<Lanes<S>, 3>(at, &a.geom_xpos[other]);
+        let round = pair.kind.1 == GeomType::Sphere;
+        let axis = if round {
+            number::of(at, [0.0; 3])
+        } else {
+            column(&number::get::<Lanes<S>, 9>(at, &a.geom_xmat[other]), 2)
+        };
+        let ends = if round { &[0.0][..] } else { &[half, -half] };
+        let (end_above_plane,) = (
+            #[inline(always)]
+            |end: f64| {
+                let centre = if round {
+                    centre
+                } else {
+                    add(centre, scale(axis, end))
+                };
+                above_plane((origin, normal), centre, radius)
+            },
+        );
+        let mut near = near;
+        if pair.boxed {
+            // MuJoCo's middle phase (see `Pair::boxed`) may drop a contact that touches only within
+            // rounding errors: such worlds use the code for one world
+            let mut shallow = 0;
+            for end in ends {
+                let (dist, _) = end_above_plane(*end);
+                let touches = dist.le(dist.same(pair.margin));
+                let deep = dist.le(dist.same(pair.margin - ROUNDING));
+                shallow |= Lanes::<S>::bits(touches) & !Lanes::<S>::bits(deep);
+            }
+            for world in worlds(near & shallow, at.1) {
+                self.touch(m, a, index, world);
+            }
+            near &= !shallow;
+        }
+        for end in ends {
+            let (dist, pos) = end_above_plane(*end);
+            let acts = dist.le(dist.same(pair.margin)) & dist.lt(dist.same(pair.includemargin));
+            let acting = Lanes::<S>::bits(acts) & near;
+            if acting == 0 {
+                continue;
+            }
+            let frame = frame(at, normal, axis);
+            let mu = if pair.dim == 1 { 0.0 } else { pair.friction[0] };
+            self.moved.clear();
+            let (moved,) = (&mut self.moved,);
+            contact_jacobian(
+                pair,
+                (
+                    #[inline(always)]
+                    |dof: usize| number::get::<Lanes<S>, 6>(at, &a.cdof[dof]),
+                    #[inline(always)]
+                    |body: usize| number::get::<Lanes<S>, 3>(at, &a.subtree_com[body]),
+                ),
+                (pos, &frame, mu),
+                #[inline(always)]
+                |dof, values| {
+                    let mut cells = [Row::ZERO; 4];
+                    number::put(at, values, &mut cells);
+                    moved.push((dof, cells));
+                },
+            );
+            let mut dists = Row::ZERO;
+            store(at, &mut dists, dist);
+            let mut rows = [0; WORLDS];
+            for world in worlds(acting, at.1) {
+                rows[world] = self.open_contact(nv, pair, dists.0[world], world);
+            }
+            self.put_jacobian(at, nv, pair, acting, &rows);
+            if self.keeps {
+                let (mut points, mut frames) = ([Row::ZERO; 3], [Row::ZERO; 9]);
+                number::put(at, pos, &mut points);
+                number::put(at, frame, &mut frames);
+                for world in worlds(acting, at.1) {
+                    let pos = points.each_ref().map(|row| row.0[world]);
+                    let frame = frames.each_ref().map(|row| row.0[world]);
+                    self.contacts[world].push(Contact {
+                        mu,
+                        efc_address: rows[world] as i32,
+                        ..contact_at(pair, index, dists.0[world], pos, frame)
+                    });
+                }
+            }
+        }
+    }
+
+    /// Writes the Jacobian of a contact for the worlds in `left`. `rows` has, for each world, the
+    /// index of the contact's first row.
+    #[inline(always)]
+    fn put_jacobian<S: Simd>(
+        &mut self,
+        at: Place<S>,
+        nv: usize,
+        pair: &Pair,
+        mut left: u64,
+        rows: &[usize; WORLDS],
+    ) {
+        let edges = if pair.dim == 1 { 1 } else { 4 };
+        while left != 0 {
+            let row = rows[at.1 + left.trailing_zeros() as usize];
+            let (mut which, mut bits) = (Row::ZERO, 0_u64);
+            for world in worlds(left, at.1) {
+                if rows[world] == row {
+                    which.0[world] = 1.0;
+                    bits |= 1 << (world - at.1);
+                }
+            }
+            left &= !bits;
+            let which = load::<S>(at, &which).gt(same(at, 0.0));
+            for (dof, values) in &self.moved {
+                for (edge, value) in values[..edges].iter().enumerate() {
+                    let to = &mut self.jac[(row + edge) * nv + dof];
+                    store(at, to, Lanes::select(which, load(at, value), load(at, to)));
+                }
+            }
+        }
+    }
+
+    /// Adds the contacts of the pair of geoms `index`, and the contacts' rows, to world `world`.
+    #[inline(never)]
+    fn touch(&mut self, m: &Model, a: &Arrays, index: usize, world: usize) {
+        let (pair, nv) = (&m.plan().pairs[index], m.nv());
+        let of = |cells: &[Row; 3]| cells.each_ref().map(|cell| cell.0[world]);
+        let mat = |g: usize| a.geom_xmat[g].each_ref().map(|cell| cell.0[world]);
+        let mats = pair.geom.map(mat);
+        let frames = [0, 1].map(|k| (of(&a.geom_xpos[pair.geom[k]]), &mats[k]));
+        let inertial = |body: usize| {
+            let mat = a.ximat[body].each_ref().map(|cell| cell.0[world]);
+            (of(&a.xipos[body]), mat)
+        };
+        let mut contacts = std::mem::take(&mut self.contacts[world]);
+        let first = contacts.len();
+        let (polytope, places) = (&mut self.polytope, (frames, inertial));
+        touch(m, index, places, polytope, &mut contacts);
+        for contact in &mut contacts[first..] {
+            if contact.dist >= contact.includemargin || pair.trees == [None, None] {
+                continue;
+            }
+            let row = self.open_contact(nv, pair, contact.dist, world);
+            contact.efc_address = row as i32;
+            if pair.dim > 1 {
+                contact.mu = pair.friction[0];
+            }
+            let axis = |dof: usize| a.cdof[dof].each_ref().map(|cell| cell.0[world]);
+            let frames = (axis, |body: usize| of(&a.subtree_com[body]));
+            let jac = &mut self.jac[row * nv..];
+            let edges = if pair.dim == 1 { 1 } else { 4 };
+            let place = (contact.pos, &contact.frame, contact.mu);
+            contact_jacobian(pair, frames, place, |dof, values| {
+                for (edge, value) in values[..edges].iter().enumerate() {
+                    jac[edge * nv + dof].0[world] = *value;
+                }
+            });
+        }
+        self.contacts[world] = contacts;
+    }
+
+    /// Computes the reference accelerations of all rows.
+    #[inline(always)]
+    pub(super) fn reference<S: Simd>(&mut self, m: &Model, at: Place<S>, qvel: &[Row]) {
+        let nv = m.nv();
+        for row in 0..self.used {
+            let vel: Lanes<S> = dot(at, &self.jac[row * nv..(row + 1) * nv], qvel);
+            let damping: Lanes<S> = load(at, &self.damping[row]);
+            let aref = -damping * vel - load(at, &self.rest[row]);
+            store(at, &mut self.aref[row], aref);
+        }
+    }
+
+    /// Computes `J x`, or `J x - minus` if `minus` is given.
+    #[inline(always)]
+    pub(super) fn multiply<S: Simd>(
+        &self,
+        nv: usize,
+        at: Place<S>,
+        x: &[Row],
+        minus: Option<&[Row]>,
+        out: &mut [Row],
+    ) {
+        for (row, out) in out[..self.used].iter_mut().enumerate() {
+            let mut product: Lanes<S> = dot(at, &self.jac[row * nv..(row + 1) * nv], x);
+            if let Some(minus) = minus {
+                product = product - load(at, &minus[row]);
+            }
+            store(at, out, product);
+        }
+    }
+}

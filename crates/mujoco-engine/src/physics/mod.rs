@@ -1,0 +1,333 @@
+//! The engine: one file per stage of a step, in the order in which MuJoCo runs them.
+//!
+//! | file | stage |
+//! |---|---|
+//! | `kinematics` | frames of bodies, geoms and sites |
+//! | `com` | inertias and motion axes about the trees' centres of mass |
+//! | `tendon`, `wrap`, `transmission` | lengths and moment arms of tendons and actuators |
+//! | `inertia` | the inertia matrix and its factors |
+//! | `collision` | contacts |
+//! | `constraint`, `rows` | rows of constraints, islands |
+//! | `velocity` | velocities of bodies, bias forces |
+//! | `passive` | springs, dampers, fluid |
+//! | `actuation`, `muscle` | actuators |
+//! | `solver` | constraint forces: Newton's method, projected Gauss-Seidel |
+//! | `sensor`, `ray`, `energy`, `post_constraint` | sensors, and what they need |
+//! | `integrate`, `implicit` | Euler, Runge-Kutta, implicit integrators |
+//! | `inverse` | forces from accelerations |
+//!
+//! All stages are compiled into one function, for the CPU that runs it. Functions that several
+//! stages call are `inline(never)`: copies of them would not fit in the instruction cache, and
+//! cache misses cost more than calls.
+//!
+//! Functions have MuJoCo's names without the prefix `mj_`, and take a model and its data:
+//!
+//! ```
+//! use mujoco_engine::{Data, Model, step};
+//!
+//! let m = Model::from_xml(
+//!     r#"<mujoco>
+//!          <worldbody>
+//!            <geom type="plane" size="5 5 1"/>
+//!            <body name="ball" pos="0 0 1"><freejoint/><geom type="sphere" size="0.1"/></body>
+//!          </worldbody>
+//!        </mujoco>"#,
+//! )?;
+//! let mut d = Data::new(&m);
+//! while d.time < 2.0 {
+//!     step(&m, &mut d);
+//! }
+//! let ball = m.body_id("ball").expect("the ball");
+//! assert!((d.xpos[ball][2] - 0.1).abs() < 1e-3, "it rests on the plane");
+//! # Ok::<(), mujoco_engine::Error>(())
+//! ```
+
+#![expect(
+    clippy::needless_range_loop,
+    reason = "indices are those of the formulas"
+)]
+
+mod actuation;
+mod bias;
+mod collision;
+mod com;
+mod constraint;
+mod contact_force;
+mod data;
+mod energy;
+mod fluid;
+mod fluid_slopes;
+mod free;
+mod implicit;
+mod inertia;
+mod integrate;
+mod inverse;
+mod jacobian;
+mod kinematics;
+#[cfg_attr(
+    not(any(target_arch = "x86", target_arch = "x86_64")),
+    allow(dead_code, reason = "other processors have no lanes yet")
+)]
+pub mod lanes;
+mod muscle;
+mod passive;
+mod post_constraint;
+mod ray;
+mod rows;
+mod sensor;
+mod solver;
+mod tendon;
+mod transmission;
+mod velocity;
+mod work;
+mod wrap;
+
+pub use actuation::fwd_actuation;
+pub use collision::collision;
+pub use com::com_pos;
+pub use constraint::{Constraints, make_constraint, reference_constraint};
+pub use contact_force::contact_force;
+pub(crate) use data::arrays;
+pub use data::{Contact, Data};
+pub use energy::energy;
+pub use inertia::{crb, factor_m, full_m, mul_m, solve_m};
+pub use integrate::{euler, integrate_pos, runge_kutta};
+use kinematics::find_frames;
+pub use kinematics::kinematics;
+pub use passive::passive;
+pub use post_constraint::rne_post_constraint;
+pub use ray::{ray, ray_shape};
+use sensor::sensors;
+pub use solver::fwd_constraint;
+pub use tendon::{tendon, tendon_velocity};
+pub use transmission::{transmission, transmission_velocity};
+pub use velocity::{com_vel, rne};
+pub(crate) use work::Work;
+
+use serde::{Deserialize, Serialize};
+
+use crate::Model;
+use crate::math::MAXVAL;
+use crate::math::libm::wide;
+use crate::model::{Integrator, Stage};
+
+/// The functions that compute everything that follows from a state.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub(crate) enum Call {
+    Forward,
+    Step,
+    Step1,
+    Step2,
+    Inverse,
+}
+
+/// Advances the state by a timestep: MuJoCo's `mj_step`.
+///
+/// A state that diverged (a number that is not finite, or beyond 1e10) is reset to the initial
+/// configuration first, as in MuJoCo.
+///
+/// # Panics
+/// If the data is of another model.
+pub fn step(m: &Model, d: &mut Data) {
+    d.begin(m, Call::Step);
+    advance(m, d);
+}
+
+/// A timestep of which only the state is read afterwards, because another timestep follows. Unlike
+/// [`step`], it does not store its start, so a snapshot taken after it holds only the state; and
+/// frames of geoms and sites that no stage reads keep their old values.
+///
+/// # Panics
+/// If the data is of another model.
+pub fn substep(m: &Model, d: &mut Data) {
+    d.pass(m);
+    advance(m, d);
+}
+
+fn advance(m: &Model, d: &mut Data) {
+    reset_diverged(m, d);
+    let in_stages = m.opt.integrator == Integrator::RK4;
+    let skips = d.work.skips;
+    // RK4 computes further stages below, and the frames of the last stage remain
+    d.work.skips |= in_stages;
+    evaluate(m, d);
+    if diverged(&d.qacc) {
+        d.clear(m);
+        evaluate(m, d);
+    }
+    d.work.skips = skips;
+    measure(m, d, &ALL);
+    if in_stages {
+        runge_kutta(m, d);
+    } else {
+        euler(m, d);
+    }
+}
+
+/// The first half of a step, which does not depend on controls: MuJoCo's `mj_step1`. Controls can
+/// be computed from its results.
+///
+/// # Panics
+/// If the data is of another model.
+pub fn step1(m: &Model, d: &mut Data) {
+    d.begin(m, Call::Step1);
+    reset_diverged(m, d);
+    first_stages(m, d);
+    measure(m, d, &[Stage::Position, Stage::Velocity]);
+}
+
+/// The second half of a step, after [`step1`]: MuJoCo's `mj_step2`. As in MuJoCo, it uses Euler's
+/// method in place of RK4.
+///
+/// # Panics
+/// If the data is of another model.
+pub fn step2(m: &Model, d: &mut Data) {
+    d.go_on(m);
+    last_stages(m, d);
+    measure(m, d, &[Stage::Acceleration]);
+    if diverged(&d.qacc) {
+        d.clear(m);
+        evaluate(m, d);
+        measure(m, d, &ALL);
+    }
+    euler(m, d);
+}
+
+/// Computes everything that follows from time, `qpos`, `qvel` and `ctrl`: MuJoCo's `mj_forward`.
+///
+/// # Panics
+/// If the data is of another model.
+pub fn forward(m: &Model, d: &mut Data) {
+    d.begin(m, Call::Forward);
+    evaluate(m, d);
+    measure(m, d, &ALL);
+}
+
+/// Computes `qfrc_inverse`, the forces that cause the accelerations `qacc`: MuJoCo's `mj_inverse`.
+///
+/// # Panics
+/// If the data is of another model.
+pub fn inverse(m: &Model, d: &mut Data) {
+    d.begin(m, Call::Inverse);
+    first_stages(m, d);
+    inverse::forces(m, d);
+    measure(m, d, &ALL);
+}
+
+fn reset_diverged(m: &Model, d: &mut Data) {
+    if diverged(&d.qpos) || diverged(&d.qvel) {
+        d.clear(m);
+    }
+}
+
+const ALL: [Stage; 3] = [Stage::Position, Stage::Velocity, Stage::Acceleration];
+
+/// Computes the results that no later stage reads: sensors and energy.
+#[inline]
+fn measure(m: &Model, d: &mut Data, stages: &[Stage]) {
+    if m.plan().measures {
+        sensors(m, d, stages);
+        if stages.contains(&Stage::Position) {
+            energy::update(m, d);
+        }
+    }
+}
+
+/// Compiles stages for the CPU that runs them. The stages must be closures: the compiler does not
+/// inline a function here, and would compile it for the oldest CPU.
+macro_rules! compiled {
+    ($(#[$doc:meta])* $name:ident: $($stage:ident)+) => {
+        $(#[$doc])*
+        fn $name(m: &Model, d: &mut Data) {
+            wide(
+                (m, d),
+                #[inline(always)]
+                |(m, d)| {
+                    $($stage(m, d);)+
+                },
+                #[inline(always)]
+                |(m, d)| {
+                    $($stage(m, d);)+
+                },
+            );
+        }
+    };
+}
+
+compiled! {
+    /// All stages of a forward call.
+    evaluate: fwd_position fwd_velocity fwd_actuation fwd_acceleration fwd_constraint
+}
+compiled! {
+    /// The stages that do not depend on controls.
+    first_stages: fwd_position fwd_velocity
+}
+compiled! {
+    /// The stages that depend on controls.
+    last_stages: fwd_actuation fwd_acceleration fwd_constraint
+}
+
+/// The stages that depend on positions: MuJoCo's `mj_fwdPosition`.
+#[inline(always)]
+fn fwd_position(m: &Model, d: &mut Data) {
+    find_frames(m, d);
+    com_pos(m, d);
+    tendon(m, d);
+    crb(m, d);
+    factor_m(m, d);
+    collision(m, d);
+    make_constraint(m, d);
+    if m.plan().transmits {
+        transmission(m, d);
+    }
+}
+
+/// The stages that depend on velocities: MuJoCo's `mj_fwdVelocity`.
+#[inline(always)]
+fn fwd_velocity(m: &Model, d: &mut Data) {
+    com_vel(m, d);
+    tendon_velocity(m, d);
+    if m.plan().transmits {
+        transmission_velocity(m, d);
+    }
+    passive(m, d);
+    reference_constraint(m, d);
+    rne(m, d);
+}
+
+/// Computes the accelerations without constraints: MuJoCo's `mj_fwdAcceleration`.
+#[inline(always)]
+fn fwd_acceleration(m: &Model, d: &mut Data) {
+    let inner = d.qfrc_passive.iter().zip(&d.qfrc_bias);
+    let outer = d.qfrc_applied.iter().zip(&d.qfrc_actuator);
+    let forces = inner.zip(outer);
+    for (sum, ((passive, bias), (applied, actuator))) in d.qfrc_smooth.iter_mut().zip(forces) {
+        *sum = (passive - bias) + applied + actuator;
+    }
+    if d.work.pushed {
+        push_bodies(m, d);
+    }
+    d.qacc_smooth.copy_from_slice(&d.qfrc_smooth);
+    let (inverses, way) = (&d.qld_diag_inv, &mut d.work.way);
+    inertia::solve(m, &d.qld, inverses, way, &mut d.qacc_smooth);
+}
+
+/// Adds `xfrc_applied`, the external forces on bodies.
+#[cold]
+fn push_bodies(m: &Model, d: &mut Data) {
+    for b in 1..m.nbody() {
+        let [x, y, z, roll, pitch, yaw] = d.xfrc_applied[b];
+        if d.xfrc_applied[b] != [0.0; 6] {
+            let mut sum = std::mem::take(&mut d.qfrc_smooth);
+            let (force, torque) = ([x, y, z], [roll, pitch, yaw]);
+            jacobian::apply(m, d, force, torque, (b, d.xipos[b]), &mut sum);
+            d.qfrc_smooth = sum;
+        }
+    }
+}
+
+/// Whether one of the numbers is not finite or exceeds [`MAXVAL`].
+fn diverged(numbers: &[f64]) -> bool {
+    // a loop without an early exit vectorises
+    (numbers.iter()).fold(false, |bad, x| bad | x.is_nan() | (x.abs() > MAXVAL))
+}

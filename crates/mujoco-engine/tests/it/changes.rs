@@ -1,0 +1,276 @@
+//! Changed models, and the functions other than `step`, compared with libmujoco to the last bit.
+
+use mujoco_engine::model::Integrator;
+use mujoco_engine::physics::{contact_force, energy, inverse, ray, step1, step2};
+use mujoco_engine::{CompiledModel, Data, Model, Revision, forward, step};
+use serde_json::{Value, json};
+
+use crate::common::same;
+
+/// Returns the recording of `tests/peers/mujoco_models.py`.
+fn recording() -> Value {
+    serde_json::from_str(include_str!("../recorded/changes.json")).unwrap()
+}
+
+/// Returns the model and the recording of libmujoco, for each version.
+fn versions() -> Vec<(Model, Value)> {
+    let file = recording();
+    let versions = file["versions"].as_object().unwrap().iter();
+    let text = file["xml"].as_str().unwrap();
+    let all: Vec<_> = versions
+        .map(|(version, expected)| {
+            let revision: Revision = version.parse().unwrap();
+            (
+                Model::from_xml_with(text, revision).unwrap(),
+                expected.clone(),
+            )
+        })
+        .collect();
+    assert_eq!(all.len(), 2);
+    all
+}
+
+fn state(d: &Data) -> Value {
+    json!({"qpos": d.qpos, "qvel": d.qvel, "sensordata": d.sensordata})
+}
+
+/// Returns the data after 50 steps, each taken by `take`.
+fn steps(m: &Model, take: impl Fn(&Model, &mut Data)) -> Data {
+    let mut d = Data::new(m);
+    for i in 0..50 {
+        for (k, ctrl) in d.ctrl.iter_mut().enumerate() {
+            *ctrl = f64::from((7 * i + 3 * k as u32) % 11) / 5.0 - 1.0;
+        }
+        take(m, &mut d);
+    }
+    d
+}
+
+/// Applies a recorded change: replaces a number of the named field of a model, or the first numbers
+/// of a row.
+fn apply(m: &CompiledModel, change: &Value) -> CompiledModel {
+    let mut figures = serde_json::to_value(m).unwrap();
+    let mut place = &mut figures;
+    for part in change[0].as_str().unwrap().split('.') {
+        place = &mut place[part];
+    }
+    if let Some(index) = change[1].as_u64() {
+        place = &mut place[index as usize];
+    }
+    match &change[2] {
+        Value::Array(numbers) => {
+            for (k, number) in numbers.iter().enumerate() {
+                place[k] = number.clone();
+            }
+        }
+        number => *place = number.clone(),
+    }
+    serde_json::from_value(figures).unwrap()
+}
+
+#[test]
+fn changed_models_step_as_in_libmujoco() {
+    for (m, expected) in versions() {
+        for (i, change) in recording()["changes"]
+            .as_array()
+            .unwrap()
+            .iter()
+            .enumerate()
+        {
+            let written = Model::new(apply(&m, change)).unwrap();
+            let found = state(&steps(&written, step));
+            assert!(
+                same(&expected["written"][i], &found),
+                "{} {change}",
+                m.revision
+            );
+            let mut set = m.clone();
+            set.change(|figures| *figures = apply(figures, change))
+                .unwrap();
+            let found = state(&steps(&set, step));
+            assert!(
+                same(&expected["constants"][i], &found),
+                "{} {change}, recomputed",
+                m.revision
+            );
+        }
+    }
+}
+
+#[test]
+fn a_change_that_is_refused_leaves_the_model() {
+    let (mut m, _) = versions().swap_remove(0);
+    let before = CompiledModel::clone(&m);
+    let error = m
+        .change(|figures| figures.opt.timestep = -1.0)
+        .unwrap_err()
+        .to_string();
+    assert!(error.contains("opt.timestep is -1"), "{error}");
+    let error = m
+        .change(|figures| figures.body_mass.push(1.0))
+        .unwrap_err()
+        .to_string();
+    assert!(
+        error.contains("body_mass has 6 elements, expected 5"),
+        "{error}"
+    );
+    assert_eq!(before, *m);
+    // an empty change keeps every field
+    m.change(|_| ()).unwrap();
+    assert_eq!(before, *m);
+}
+
+#[test]
+fn what_is_set_by_compilers_follows_too() {
+    let text = r#"<mujoco><worldbody><geom type="plane" size="1 1 1"/><body pos="0 0 .3"><freejoint/><geom size=".1"/></body></worldbody></mujoco>"#;
+    let mut m = Model::from_xml(text).unwrap();
+    assert_eq!((m.body_simple[1], m.geom_rbound[1]), (1, 0.1));
+    m.change(|figures| {
+        figures.geom_size[1][0] = 0.25;
+        figures.body_ipos[1] = [0.0, 0.0, 0.05];
+    })
+    .unwrap();
+    assert_eq!((m.body_simple[1], m.geom_rbound[1]), (0, 0.25));
+    assert_eq!(m.dof_simplenum, [0; 6]);
+}
+
+#[test]
+fn both_halves_of_a_step_are_as_in_libmujoco() {
+    let halves = |m: &Model, d: &mut Data| {
+        step1(m, d);
+        step2(m, d);
+    };
+    for (mut m, expected) in versions() {
+        let found = state(&steps(&m, halves));
+        assert!(same(&expected["halves"], &found), "{}", m.revision);
+        m.change(|figures| figures.opt.integrator = Integrator::RK4)
+            .unwrap();
+        let found = state(&steps(&m, halves));
+        assert!(same(&expected["halves_rk4"], &found), "{} RK4", m.revision);
+    }
+}
+
+#[test]
+fn applied_forces_and_inverse_dynamics_are_as_in_libmujoco() {
+    for (m, expected) in versions() {
+        let pushed = steps(&m, |m, d| {
+            d.qfrc_applied[0] = 0.3;
+            d.xfrc_applied[3] = [0.1, 0.2, 0.3, 0.01, 0.02, 0.03];
+            step(m, d);
+        });
+        assert!(
+            same(&expected["applied"], &state(&pushed)),
+            "{}",
+            m.revision
+        );
+        let mut d = steps(&m, step);
+        for (i, qacc) in d.qacc.iter_mut().enumerate() {
+            *qacc = i as f64 / 8.0 - 0.5;
+        }
+        inverse(&m, &mut d);
+        let mut found = state(&d);
+        found["qfrc_inverse"] = json!(d.qfrc_inverse);
+        assert!(same(&expected["inverse"], &found), "{} {found}", m.revision);
+    }
+}
+
+#[test]
+fn functions_of_a_state_are_as_in_libmujoco() {
+    for (m, expected) in versions() {
+        let mut d = steps(&m, step);
+        forward(&m, &mut d);
+        let jac = d.jac_site(&m, m.site_id("s1").unwrap());
+        let forces: Vec<[f64; 6]> = d.contact.iter().map(|c| contact_force(&m, &d, c)).collect();
+        let met = ray(&m, &d, [-0.45, 0.1, 2.0], [0.0, 0.01, -1.0], None);
+        let found = json!({
+            "energy": energy(&m, &mut d),
+            "jac": jac.concat(),
+            "contact_force": forces.concat(),
+            "ray": met,
+        });
+        assert!(same(&expected["forward"], &found), "{} {found}", m.revision);
+    }
+}
+
+#[test]
+fn each_call_can_be_stored_and_goes_on() {
+    let (m, _) = versions().swap_remove(1);
+    let calls: [fn(&Model, &mut Data); 4] = [
+        step1,
+        |m, d| {
+            step1(m, d);
+            d.ctrl[0] = 0.25;
+            step2(m, d);
+        },
+        |m, d| {
+            d.qacc.fill(0.5);
+            inverse(m, d);
+        },
+        |m, d| {
+            d.xfrc_applied[3][2] = 1.5;
+            step(m, d);
+            d.xfrc_applied[3][2] = 0.5;
+        },
+    ];
+    for (i, call) in calls.into_iter().enumerate() {
+        let mut d = steps(&m, step);
+        call(&m, &mut d);
+        let text = serde_json::to_string(&d).unwrap();
+        let mut again: Data = serde_json::from_str(&text).unwrap();
+        again.check(&m).unwrap();
+        again.resume(&m);
+        assert_eq!(serde_json::to_string(&again).unwrap(), text, "{i}");
+        assert_eq!(
+            (&again.qfrc_inverse, &again.cvel),
+            (&d.qfrc_inverse, &d.cvel),
+            "{i}"
+        );
+        for data in [&mut d, &mut again] {
+            step2(&m, data);
+            step(&m, data);
+        }
+        assert_eq!(
+            (again.qpos, again.sensordata),
+            (d.qpos, d.sensordata),
+            "{i}"
+        );
+    }
+}
+
+#[test]
+fn names_lead_to_ids_and_back() {
+    use mujoco_engine::model::ObjectType::{Actuator, Body, Geom, Joint, Site, Tendon};
+    let (m, _) = versions().swap_remove(0);
+    for (kind, name, id) in [
+        (Body, "lower", 2),
+        (Joint, "x", 3),
+        (Geom, "g2", 3),
+        (Site, "s1", 1),
+        (Tendon, "u", 1),
+    ] {
+        assert_eq!((m.id(kind, name), m.name(kind, id)), (Some(id), Some(name)));
+    }
+    assert_eq!(m.joint_id("x"), Some(3));
+    assert_eq!(
+        (m.id(Actuator, "x"), m.name(Actuator, 0), m.name(Body, 9)),
+        (None, None, None)
+    );
+}
+
+/// A geom's frame that nearly equals the body's inertial frame is replaced by the inertial frame.
+#[test]
+fn frames_that_hardly_differ_are_one() {
+    let text = r#"<mujoco><worldbody><body pos="0 0 1"><joint axis="0 1 0"/>
+        <inertial pos="0.1 2e-7 0" quat="1 1.00005 0 0" mass="1" diaginertia="1 1.1 1.2"/>
+        <geom size="0.1 0.1 0.1" pos="0.1 0 0" quat="1 1 0 0" type="box"/>
+        <geom size="0.1" pos="5e-7 0 0" quat="1 4e-7 0 0"/></body></worldbody></mujoco>"#;
+    let m = Model::from_xml(&text.replace("1.00005", "1.0000005")).unwrap();
+    let mut d = Data::new(&m);
+    d.qpos[0] = 0.3;
+    forward(&m, &mut d);
+    assert_eq!((d.geom_xpos[0], d.geom_xmat[0]), (d.xipos[1], d.ximat[1]));
+    assert_eq!((d.geom_xpos[1], d.geom_xmat[1]), (d.xpos[1], d.xmat[1]));
+    let m = Model::from_xml(text).unwrap();
+    forward(&m, &mut d);
+    assert_ne!(d.geom_xmat[0], d.ximat[1]);
+}

@@ -1,0 +1,8 @@
+//! Tests through the public interface, in one program that is linked once.
+
+mod changes;
+mod common;
+mod compiled;
+mod contacts;
+mod mjcf;
+mod rooms;

@@ -1,0 +1,377 @@
+//! Models that the reader of MJCF refuses. Each error names the line, the element and the
+//! attribute.
+
+use mujoco_engine::{Error, Model};
+
+/// Returns a model with `line`, which has an error, as line 4.
+fn in_the_world(line: &str) -> String {
+    format!(
+        "<mujoco>\n<worldbody>\n<geom type=\"plane\" size=\"1 1 1\"/>\n{line}\n</worldbody>\n</mujoco>"
+    )
+}
+
+/// Returns a model with a section `line`, which has an error, as line 6.
+fn section(line: &str) -> String {
+    format!(
+        "<mujoco>\n<worldbody>\n<body name=\"b\">\n<joint name=\"j\"/><geom size=\"0.1\"/></body><body name=\"f\"><freejoint name=\"free\"/><geom size=\"1\"/></body>\n</worldbody>\n{line}\n</mujoco>"
+    )
+}
+
+/// Returns a model whose line 4 has a geom with a mesh and `attributes`.
+fn with_mesh(attributes: &str) -> String {
+    in_the_world(&format!(
+        "<body><geom mesh=\"m\" {attributes}/></body></worldbody>\
+         <asset><mesh file=\"parts/m.stl\"/></asset><worldbody>"
+    ))
+}
+
+/// The text of a model, and the line, element and attribute that its error must name.
+type Refused = (String, u32, &'static str, Option<&'static str>);
+
+fn refused() -> Vec<Refused> {
+    let world = |line: &str, element, attribute| (in_the_world(line), 4, element, attribute);
+    let other = |line: &str, element, attribute| (section(line), 6, element, attribute);
+    let body = |line: &str, element, attribute| {
+        (
+            in_the_world(&format!("<body>{line}<geom size=\"0.1\"/></body>")),
+            4,
+            element,
+            attribute,
+        )
+    };
+    vec![
+        // features that are not supported
+        world("<geom type=\"mesh\" mesh=\"m\"/>", "geom", Some("mesh")),
+        world("<geom type=\"mesh\"/>", "geom", Some("mesh")),
+        (with_mesh("type=\"mesh\""), 4, "geom", Some("type")),
+        (
+            with_mesh("type=\"mesh\" contype=\"0\" conaffinity=\"0\""),
+            4,
+            "geom",
+            Some("type"),
+        ),
+        (with_mesh(""), 4, "geom", Some("mesh")),
+        world("<geom size=\"1\" typo=\"3\"/>", "geom", Some("typo")),
+        world("<nonsense/>", "nonsense", None),
+        world("<joint/>", "joint", None),
+        body(
+            "<joint springdamper=\"1 -1\"/>",
+            "joint",
+            Some("springdamper"),
+        ),
+        body("<freejoint align=\"true\"/>", "freejoint", Some("align")),
+        other(
+            "<compiler coordinate=\"global\"/>",
+            "compiler",
+            Some("coordinate"),
+        ),
+        other("<include file=\"x.xml\"/>", "include", Some("file")),
+        other("<asset><mesh/></asset>", "mesh", Some("name")),
+        other("<tendon><spatial/></tendon>", "spatial", None),
+        other(
+            "<contact><pair geom1=\"a\" geom2=\"b\"/></contact>",
+            "pair",
+            Some("geom1"),
+        ),
+        other("<keyframe><key act=\"1\"/></keyframe>", "key", Some("act")),
+        // invalid values
+        world("<geom size=\"nan\"/>", "geom", Some("size")),
+        world("<geom size=\"1e999\"/>", "geom", Some("size")),
+        world("<geom size=\"1,2\"/>", "geom", Some("size")),
+        world("<geom size=\"\"/>", "geom", Some("size")),
+        world("<geom size=\"-1\"/>", "geom", Some("size")),
+        world("<geom/>", "geom", Some("size")),
+        world("<geom size=\"1\" pos=\"1 2\"/>", "geom", Some("pos")),
+        world("<geom size=\"1\" pos=\"1 2 3 4\"/>", "geom", Some("pos")),
+        world("<geom size=\"1\" quat=\"0 0 0 0\"/>", "geom", Some("quat")),
+        world(
+            "<geom size=\"1\" quat=\"1 0 0 0\" euler=\"1 0 0\"/>",
+            "geom",
+            Some("euler"),
+        ),
+        world(
+            "<geom size=\"1\" fromto=\"0 0 0 1 0 0\"/>",
+            "geom",
+            Some("fromto"),
+        ),
+        world(
+            "<geom size=\"1\" type=\"capsule\" fromto=\"1 0 0 1 0 0\"/>",
+            "geom",
+            Some("fromto"),
+        ),
+        world(
+            "<geom size=\"1\" contype=\"1.5\"/>",
+            "geom",
+            Some("contype"),
+        ),
+        world("<geom size=\"1\" class=\"none\"/>", "geom", Some("class")),
+        world(
+            "<geom size=\"1\" material=\"none\"/>",
+            "geom",
+            Some("material"),
+        ),
+        world(
+            "<geom size=\"1\" name=\"x\"/><geom size=\"1\" name=\"x\"/>",
+            "geom",
+            Some("name"),
+        ),
+        (
+            in_the_world(
+                "<geom size=\"1\" density=\"1e308\"/><body><joint/><geom size=\"1e150\"/></body>",
+            ),
+            1,
+            "mujoco",
+            None,
+        ),
+        world("<body><joint/></body>", "body", None),
+        world(
+            "<body><freejoint/><geom type=\"plane\" size=\"1 1 1\"/></body>",
+            "geom",
+            Some("type"),
+        ),
+        world(
+            "<body><body><freejoint/><geom size=\"1\"/></body></body>",
+            "freejoint",
+            Some("type"),
+        ),
+        body("<joint range=\"1 -1\"/>", "joint", Some("range")),
+        body("<joint range=\"1 1\"/>", "joint", Some("range")),
+        body("<joint axis=\"0 0 0\"/>", "joint", Some("axis")),
+        body("<freejoint/><joint/>", "freejoint", Some("type")),
+        body("<inertial mass=\"1\"/>", "inertial", Some("pos")),
+        body(
+            "<inertial pos=\"0 0 0\" mass=\"1\" diaginertia=\"1 1 5\"/>",
+            "inertial",
+            None,
+        ),
+        other(
+            "<actuator><motor joint=\"none\"/></actuator>",
+            "motor",
+            Some("joint"),
+        ),
+        other(
+            "<tendon><fixed><joint joint=\"free\" coef=\"1\"/></fixed></tendon>",
+            "joint",
+            Some("joint"),
+        ),
+        other("<actuator><motor/></actuator>", "motor", Some("joint")),
+        other(
+            "<actuator><motor joint=\"j\" ctrlrange=\"1 0\"/></actuator>",
+            "motor",
+            Some("ctrlrange"),
+        ),
+        other(
+            "<contact><exclude body1=\"b\" body2=\"none\"/></contact>",
+            "exclude",
+            Some("body2"),
+        ),
+        other(
+            "<keyframe><key qpos=\"1 2 3 4 5 6 7 8 9\"/></keyframe>",
+            "key",
+            Some("qpos"),
+        ),
+        body(
+            "<inertial pos=\"0 0 0\" mass=\"1\" diaginertia=\"1 1 1\"/>\
+             <inertial pos=\"0 0 0\" mass=\"1\" diaginertia=\"1 1 1\"/>",
+            "inertial",
+            None,
+        ),
+        other("<option timestep=\"0\"/>", "option", Some("timestep")),
+        other("<option timestep=\"-0.01\"/>", "option", Some("timestep")),
+        other("<statistic extent=\"0\"/>", "statistic", Some("extent")),
+        other(
+            "<statistic meaninertia=\"-1\"/>",
+            "statistic",
+            Some("meaninertia"),
+        ),
+        other("<size nkey=\"1001\"/>", "size", Some("nkey")),
+        world("<camera mode=\"targetbody\"/>", "camera", Some("target")),
+        world("<camera mode=\"targetbodycom\"/>", "camera", Some("target")),
+        world(
+            "<camera mode=\"targetbody\" target=\"none\"/>",
+            "camera",
+            Some("target"),
+        ),
+        // damaged XML
+        ("<mujoco>\n<worldbody>".into(), 1, "mujoco", None),
+        ("".into(), 1, "mujoco", None),
+        ("<mujoco>\n\n<a></b></mujoco>".into(), 3, "mujoco", None),
+        (
+            "<!DOCTYPE x [<!ENTITY a \"b\">]><mujoco>&a;</mujoco>".into(),
+            1,
+            "mujoco",
+            None,
+        ),
+        ("<robot/>".into(), 1, "robot", None),
+    ]
+}
+
+#[test]
+fn errors_name_line_element_and_attribute() {
+    let mut wrong = Vec::new();
+    for (text, line, element, attribute) in refused() {
+        let Err(error) = Model::from_xml(&text) else {
+            wrong.push(format!("{text}\nis read"));
+            continue;
+        };
+        let message = error.to_string();
+        let Error::Mjcf {
+            line: l,
+            element: e,
+            attribute: a,
+            reason,
+        } = error
+        else {
+            wrong.push(format!("{text}\n{message}"));
+            continue;
+        };
+        if (l, &*e, a.as_deref()) != (line, element, attribute) {
+            wrong.push(format!("{text}\nline {l}, {e}, {a:?}: {reason}"));
+        }
+        if !message.contains(&format!("line {line}")) || !message.contains(element) {
+            wrong.push(format!("{text}\n{message}"));
+        }
+    }
+    assert!(wrong.is_empty(), "{}", wrong.join("\n\n"));
+}
+
+#[test]
+fn sizes_and_depths_have_limits() {
+    let deep = format!(
+        "<mujoco><worldbody>{}{}</worldbody></mujoco>",
+        "<body>".repeat(5000),
+        "</body>".repeat(5000)
+    );
+    let message = Model::from_xml(&deep).unwrap_err().to_string();
+    assert!(message.contains("nested deeper"), "{message}");
+    let many = format!(
+        "<mujoco><worldbody>{}</worldbody></mujoco>",
+        "<geom size=\"1\"/>".repeat(5000)
+    );
+    let message = Model::from_xml(&many).unwrap_err().to_string();
+    assert!(message.contains("more than 1000"), "{message}");
+    // 167 bodies with a geom and six degrees of freedom each
+    let free = "<body><freejoint/><geom size=\"1\"/></body>".repeat(167);
+    let message = Model::from_xml(&format!("<mujoco><worldbody>{free}</worldbody></mujoco>"))
+        .unwrap_err()
+        .to_string();
+    assert!(
+        message.contains("more than 1000 bodies, geoms or degrees of freedom"),
+        "{message}"
+    );
+    let most = "<mujoco><size nkey=\"1000\"/><worldbody/></mujoco>";
+    assert_eq!(Model::from_xml(most).unwrap().key_time.len(), 1000);
+    let long = " ".repeat(9 << 20);
+    assert!(
+        Model::from_xml(&long)
+            .unwrap_err()
+            .to_string()
+            .contains("the limit is")
+    );
+}
+
+/// Runs `work` on a thread with a small stack. (An overflow aborts the process.)
+fn in_a_small_stack(work: impl FnOnce() + Send + 'static) {
+    std::thread::Builder::new()
+        .stack_size(128 << 10)
+        .spawn(work)
+        .unwrap()
+        .join()
+        .unwrap();
+}
+
+/// The deepest allowed nesting fits a small stack, with and without optimisation.
+#[test]
+fn deep_nesting_needs_no_stack() {
+    let bodies = format!(
+        "<mujoco><worldbody>{}{}</worldbody></mujoco>",
+        "<body><joint/><geom size=\"0.1\"/>".repeat(198),
+        "</body>".repeat(198)
+    );
+    let classes: String = (0..198)
+        .map(|i| format!("<default class=\"c{i}\">"))
+        .collect();
+    let classes = format!(
+        "<mujoco><default>{classes}{}</default></mujoco>",
+        "</default>".repeat(198)
+    );
+    in_a_small_stack(move || {
+        let model = Model::from_xml(&bodies).unwrap();
+        assert_eq!((model.nbody(), model.nv()), (199, 198));
+        // each body is the child of the previous body, in the order of the text
+        assert!((2..199).all(|id| model.body_parentid[id] == id - 1));
+        Model::from_xml(&classes).unwrap();
+        let deeper = format!(
+            "<mujoco><worldbody>{}",
+            "<body>".repeat(300) + &"</body>".repeat(300)
+        );
+        let error = Model::from_xml(&(deeper + "</worldbody></mujoco>"))
+            .unwrap_err()
+            .to_string();
+        assert!(error.contains("nested deeper than 200"), "{error}");
+    });
+}
+
+/// If the time of reading were quadratic, these texts would take minutes.
+#[test]
+fn large_texts_are_read_in_time_or_refused() {
+    let refused = |text: String, message: &str| {
+        let error = Model::from_xml(&text).unwrap_err().to_string();
+        assert!(error.contains(message), "{message}: {error}");
+    };
+    let bodies = "<body><joint/><geom size=\"0.1\"/></body>\n".repeat(40_000);
+    refused(
+        format!("<mujoco><worldbody>{bodies}</worldbody></mujoco>"),
+        "more than 1000 bodies",
+    );
+    let attributes: String = (0..500_000).map(|i| format!(" a{i}=\"\"")).collect();
+    refused(
+        format!("<mujoco>\n<!-- <= \n --><body{attributes}/></mujoco>"),
+        "more than 1000 attributes",
+    );
+    let namespaces: String = (0..60_000)
+        .map(|i| format!("<a xmlns:a{i}=\"{i}\">"))
+        .collect();
+    refused(format!("<mujoco>{namespaces}"), "more than 10 namespaces");
+    let classes: String = (0..90_000)
+        .map(|i| format!("<default class=\"c{i}\"/>"))
+        .collect();
+    refused(
+        format!("<mujoco><default>{classes}</default></mujoco>"),
+        "more than 1000 classes",
+    );
+    let body = |joints: usize, geoms: usize| {
+        format!(
+            "<body>{}{}</body>",
+            "<joint/>".repeat(joints),
+            "<geom size=\"0.1\"/>".repeat(geoms)
+        )
+    };
+    let touching = format!(
+        "<mujoco><worldbody>{}{}</worldbody></mujoco>",
+        body(490, 490),
+        body(490, 490)
+    );
+    refused(touching, "too many pairs of geoms can touch");
+    for (section, element) in [
+        ("contact", "exclude body1=\"a\" body2=\"b\""),
+        ("keyframe", "key"),
+        ("actuator", "motor"),
+    ] {
+        let elements = format!("<{element}/>").repeat(90_000);
+        let text = format!("<mujoco><worldbody/><{section}>{elements}</{section}></mujoco>");
+        refused(text, "more than 1000 are not supported");
+    }
+}
+
+/// (`/dev/zero` never ends.)
+#[cfg(target_os = "linux")]
+#[test]
+fn endless_files_are_refused() {
+    assert!(
+        Model::from_path("/dev/zero")
+            .unwrap_err()
+            .to_string()
+            .contains("the limit is")
+    );
+}

@@ -36,7 +36,7 @@ impl Film {
 
     /// Records the state of `env`, if it is its turn. Call it after each reset and step.
     pub(crate) fn watch(&mut self, env: &mut BoxEnv) -> Result<()> {
-        if self.left > 0 && self.states % self.every == 0 {
+        if self.left > 0 && self.states.is_multiple_of(self.every) {
             let frame = env.render()?.into_frame();
             let frame = frame.ok_or_else(|| Error::Contract(format!("{env} renders no frame")))?;
             self.gif.write(&frame)?;

@@ -1,7 +1,7 @@
 //! Sub-environments of a vector, stepped by hand as the vector should step them.
 
 use gym::vector::{Autoreset, Columns};
-use gym::{BoxEnv, Env, EnvExt, Info, Reset, Value, VectorEnv};
+use gym::{BoxEnv, EnvExt, Info, Reset, Value, VectorEnv, VectorEnvExt};
 
 /// What one sub-environment should show after a reset or step.
 #[derive(Clone, Debug, Default, PartialEq)]

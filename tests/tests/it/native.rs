@@ -9,9 +9,7 @@ use gym::vector::native::{ActionColumn, Native, NativeVectorEnv};
 use gym::vector::{
     Autoreset, Columns, Seeds, VectorEnv, VectorEnvExt, VectorKind, VectorReset, VectorSpec,
 };
-use gym::{
-    Array, BoxEnv, Env, EnvExt, EnvSpec, Generator, Result, Seed, Task, Value, builder, registry,
-};
+use gym::{Array, Env, EnvExt, EnvSpec, Generator, Result, Seed, Task, Value, builder, registry};
 use serde_json::{Value as Json, json};
 
 use super::by_hand::{ByHand, rows};
@@ -203,7 +201,7 @@ fn a_refused_action_leaves_no_step_begun() {
         let actions = batch(x);
         let result = envs.step_into(&actions, &mut columns);
         assert_eq!(result.is_err(), !x.is_finite());
-        for i in 0..6 {
+        for (i, hand) in hands.iter_mut().enumerate() {
             if i == 4 && !x.is_finite() {
                 continue;
             }
@@ -213,7 +211,7 @@ fn a_refused_action_leaves_no_step_begun() {
                 .unwrap()
                 .nth(i)
                 .unwrap();
-            let step = hands[i].env.step(&action).unwrap();
+            let step = hand.env.step(&action).unwrap();
             let shown = envs
                 .single_observation_space()
                 .iterate(&columns.observations)

@@ -9,7 +9,7 @@ use gym::vector::{
 };
 use gym::wrappers::{ClipReward, TimeLimit};
 use gym::{
-    BoxEnv, Env, EnvExt, Error, Info, Outcome, Reset, Result, Snapshot, Space, Value, VectorEnv,
+    BoxEnv, Env, EnvExt, Error, Outcome, Reset, Result, Snapshot, Space, Value, VectorEnv,
     VectorEnvExt, WrapperSpec, builder, make_vec, registry,
 };
 

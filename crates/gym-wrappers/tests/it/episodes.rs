@@ -1,9 +1,7 @@
 //! Statistics of episodes: partial masks, refused resets, buffers of another size.
 
 use gym_core::vector::{AsyncVectorEnv, Autoreset, SyncVectorEnv, VectorReset};
-use gym_core::{
-    BoxEnv, Env, EnvExt, Outcome, Reset, Result, Snapshot, Space, Value, VectorEnv, VectorEnvExt,
-};
+use gym_core::{BoxEnv, Env, EnvExt, Value, VectorEnv, VectorEnvExt};
 use gym_testing::Count;
 use gym_wrappers::{RecordEpisodeStatistics, TimeLimit, record_episode_statistics};
 

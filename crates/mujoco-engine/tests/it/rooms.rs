@@ -105,7 +105,7 @@ fn each_room_names_only_earlier_rooms() {
                         ROOMS[*named]
                     )),
                     None => {
-                        faults.push(format!("{}: `crate::{name}` is in no room", file.display()))
+                        faults.push(format!("{}: `crate::{name}` is in no room", file.display()));
                     }
                 }
             }

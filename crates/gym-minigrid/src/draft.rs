@@ -5,18 +5,18 @@ use gym_core::Generator;
 use crate::world::{NOWHERE, Thing};
 use crate::{Cell, Color, Kind, Pos, World};
 
-/// The reason why a level was not generated.
+/// Why a level was not generated.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub enum Stop {
+pub enum GenerationError {
     /// This attempt failed by chance, and another may succeed: minigrid's `RejectSampling` and
     /// `RecursionError`.
-    Again(&'static str),
+    Rejected(&'static str),
     /// No level is possible with these arguments.
     Impossible(String),
 }
 
-/// The result of a step of generating a level.
-pub type Making<T = ()> = std::result::Result<T, Stop>;
+/// The result of a step of the generation of a level.
+pub type Generated<T = ()> = std::result::Result<T, GenerationError>;
 
 /// The largest number of random draws per episode. Only a level whose objects do not fit reaches
 /// this number.
@@ -86,11 +86,11 @@ impl<'a> Draft<'a> {
     /// Draws an integer from `low` to `high - 1` uniformly: minigrid's `_rand_int`.
     ///
     /// # Errors
-    /// [`Stop::Impossible`] for an empty range, and if a level needs too many choices.
-    pub fn int(&mut self, low: i32, high: i32) -> Making<i32> {
+    /// [`GenerationError::Impossible`] for an empty range, and if a level needs too many choices.
+    pub fn int(&mut self, low: i32, high: i32) -> Generated<i32> {
         self.choices += 1;
         if low >= high || self.choices > MAX_CHOICES {
-            return Err(Stop::Impossible(if low >= high {
+            return Err(GenerationError::Impossible(if low >= high {
                 format!(
                     "there is no place from {low} to {}: make the grid larger",
                     high - 1
@@ -106,7 +106,7 @@ impl<'a> Draft<'a> {
     ///
     /// # Errors
     /// The errors of [`int`](Self::int).
-    pub fn bool(&mut self) -> Making<bool> {
+    pub fn bool(&mut self) -> Generated<bool> {
         Ok(self.int(0, 2)? == 0)
     }
 
@@ -119,7 +119,7 @@ impl<'a> Draft<'a> {
     ///
     /// # Errors
     /// The errors of [`int`](Self::int).
-    pub fn pick<T: Copy>(&mut self, list: &[T]) -> Making<T> {
+    pub fn pick<T: Copy>(&mut self, list: &[T]) -> Generated<T> {
         Ok(list[self.int(0, list.len() as i32)? as usize])
     }
 
@@ -127,7 +127,7 @@ impl<'a> Draft<'a> {
     ///
     /// # Errors
     /// The errors of [`int`](Self::int); the list must be long enough.
-    pub fn subset<T: Copy>(&mut self, list: &[T], count: usize) -> Making<Vec<T>> {
+    pub fn subset<T: Copy>(&mut self, list: &[T], count: usize) -> Generated<Vec<T>> {
         let mut rest = list.to_vec();
         (0..count)
             .map(|_| Ok(rest.remove(self.int(0, rest.len() as i32)? as usize)))
@@ -138,7 +138,7 @@ impl<'a> Draft<'a> {
     ///
     /// # Errors
     /// The errors of [`int`](Self::int).
-    pub fn color(&mut self) -> Making<Color> {
+    pub fn color(&mut self) -> Generated<Color> {
         self.pick(&Color::SORTED)
     }
 
@@ -186,7 +186,7 @@ impl<'a> Draft<'a> {
     ///
     /// # Errors
     /// The errors of [`int`](Self::int).
-    pub fn place(&mut self, cell: Cell) -> Making<Pos> {
+    pub fn place(&mut self, cell: Cell) -> Generated<Pos> {
         self.place_if(cell, self.whole(), u32::MAX, |_, _| true)
     }
 
@@ -199,14 +199,14 @@ impl<'a> Draft<'a> {
     /// up after more than `max_tries` failed attempts.
     ///
     /// # Errors
-    /// [`Stop::Again`] after too many failures, and the errors of [`int`](Self::int).
+    /// [`GenerationError::Rejected`] after too many failures, and the errors of [`int`](Self::int).
     pub fn place_if(
         &mut self,
         cell: Cell,
         Area { top, size }: Area,
         max_tries: u32,
         accept: impl Fn(&World, Pos) -> bool,
-    ) -> Making<Pos> {
+    ) -> Generated<Pos> {
         let (x, y) = (top.x.max(0), top.y.max(0));
         let (right, bottom) = (
             (x + size.x).min(self.width()),
@@ -215,7 +215,7 @@ impl<'a> Draft<'a> {
         let mut tries = 0;
         loop {
             if tries > max_tries {
-                return Err(Stop::Again("rejection sampling failed"));
+                return Err(GenerationError::Rejected("rejection sampling failed"));
             }
             tries += 1;
             let pos = Pos::new(self.int(x, right)?, self.int(y, bottom)?);
@@ -231,7 +231,7 @@ impl<'a> Draft<'a> {
     ///
     /// # Errors
     /// The errors of [`int`](Self::int).
-    pub fn place_agent(&mut self) -> Making {
+    pub fn place_agent(&mut self) -> Generated {
         self.place_agent_in(self.whole(), u32::MAX)
     }
 
@@ -239,7 +239,7 @@ impl<'a> Draft<'a> {
     ///
     /// # Errors
     /// The errors of [`place_if`](Self::place_if).
-    pub fn place_agent_in(&mut self, area: Area, max_tries: u32) -> Making {
+    pub fn place_agent_in(&mut self, area: Area, max_tries: u32) -> Generated {
         self.world.agent = NOWHERE;
         self.world.agent = self.place_if(Cell::EMPTY, area, max_tries, |_, _| true)?;
         self.world.direction = self.int(0, 4)? as u8;

@@ -16,7 +16,7 @@ use gym_core::{
 use serde::{Deserialize, Serialize};
 use serde_json::Value as Json;
 
-use crate::draft::{Draft, Stop};
+use crate::draft::{Draft, GenerationError};
 use crate::level::{Level, Rules, View};
 use crate::picture::Picture;
 use crate::view::MAX_VIEW;
@@ -106,8 +106,8 @@ impl GridEnv {
         }
         match self.level.generate(&mut Draft::new(&mut world, &mut rng)) {
             Ok(()) => {}
-            Err(Stop::Impossible(reason)) => return self.refuse(reason),
-            Err(Stop::Again(reason)) => {
+            Err(GenerationError::Impossible(reason)) => return self.refuse(reason),
+            Err(GenerationError::Rejected(reason)) => {
                 return self.refuse(format!("{reason}: reset with another seed"));
             }
         }
@@ -323,9 +323,9 @@ impl Inspect for GridEnv {
 
 /// The entry point of levels of one type, for registrations.
 #[derive(Debug)]
-pub struct Of<L>(PhantomData<L>);
+pub struct Entry<L>(PhantomData<L>);
 
-impl<L: Level + Arguments + Clone> Build for Of<L> {
+impl<L: Level + Arguments + Clone> Build for Entry<L> {
     type Config = L;
     type Env = GridEnv;
 
@@ -354,7 +354,7 @@ pub const fn register<L: Level + Arguments + Clone>(
     description: &'static str,
     policy: Option<Policy>,
 ) -> Registration {
-    let registration = Registration::new::<Of<L>>(id)
+    let registration = Registration::new::<Entry<L>>(id)
         .description(description)
         .exceptions(&[WINDOW])
         .vector_entry_point(vector::entry_point::<L>)

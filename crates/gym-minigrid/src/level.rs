@@ -5,7 +5,7 @@ use std::fmt;
 use gym_core::spaces::MissionSpace;
 use gym_core::{Generator, Outcome};
 
-use crate::draft::{Draft, Making};
+use crate::draft::{Draft, Generated};
 use crate::{Action, World};
 
 gym_core::arguments! {
@@ -115,8 +115,8 @@ pub trait Level: AsRef<View> + fmt::Debug + Send + Sync + 'static {
     /// [`World::targets`] and [`World::places`].
     ///
     /// # Errors
-    /// [`Stop`](crate::Stop) if the attempt failed or the arguments are impossible.
-    fn generate(&self, draft: &mut Draft<'_>) -> Making;
+    /// [`GenerationError`](crate::GenerationError) if the attempt failed or the arguments are impossible.
+    fn generate(&self, draft: &mut Draft<'_>) -> Generated;
 
     /// Takes a step. By default the episode terminates in the goal and in lava.
     fn step(&self, world: &mut World, action: Action, rng: &mut Generator) -> Outcome {

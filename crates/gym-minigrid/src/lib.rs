@@ -43,8 +43,8 @@ pub mod wrappers;
 pub use gym_core;
 
 pub use cell::{Cell, Color, Kind, State};
-pub use draft::{Area, Draft, Making, Stop};
-pub use env::{Facts, GridEnv, Of, register};
+pub use draft::{Area, Draft, Generated, GenerationError};
+pub use env::{Entry, Facts, GridEnv, register};
 pub use grid::{Grid, Pos};
 pub use level::Level;
 pub use world::{Action, World};

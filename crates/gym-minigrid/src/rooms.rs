@@ -1,6 +1,6 @@
 //! A grid of equal rooms with doors between them: minigrid's `RoomGrid`.
 
-use crate::draft::{Area, Draft, Making, Stop};
+use crate::draft::{Area, Draft, Generated, GenerationError};
 use crate::view::DIRECTIONS;
 use crate::{Cell, Color, Kind, Pos, State};
 
@@ -65,7 +65,7 @@ impl<'d, 'a> Rooms<'d, 'a> {
         room_size: u32,
         columns: u32,
         rows: u32,
-    ) -> Making<Self> {
+    ) -> Generated<Self> {
         let [room_size, columns, rows] = [room_size, columns, rows].map(|n| n as i32);
         draft.clear();
         let step = room_size - 1;
@@ -119,11 +119,11 @@ impl<'d, 'a> Rooms<'d, 'a> {
     }
 
     /// Returns the index of the room in column `i` and row `j`.
-    pub(crate) fn index(&self, i: i32, j: i32) -> Making<usize> {
+    pub(crate) fn index(&self, i: i32, j: i32) -> Generated<usize> {
         if i < self.columns && j < self.rows {
             return Ok((j * self.columns + i) as usize);
         }
-        Err(Stop::Impossible(format!(
+        Err(GenerationError::Impossible(format!(
             "there is no room in column {i} and row {j}: have more rooms"
         )))
     }
@@ -144,7 +144,7 @@ impl<'d, 'a> Rooms<'d, 'a> {
     }
 
     /// Draws the column and row of a room.
-    pub(crate) fn random_room(&mut self) -> Making<(i32, i32)> {
+    pub(crate) fn random_room(&mut self) -> Generated<(i32, i32)> {
         Ok((
             self.draft.int(0, self.columns)?,
             self.draft.int(0, self.rows)?,
@@ -177,7 +177,7 @@ impl<'d, 'a> Rooms<'d, 'a> {
     }
 
     /// Places an object in a room, but not next to the agent.
-    pub(crate) fn place(&mut self, i: i32, j: i32, cell: Cell) -> Making<Pos> {
+    pub(crate) fn place(&mut self, i: i32, j: i32, cell: Cell) -> Generated<Pos> {
         let index = self.index(i, j)?;
         let accept = |world: &crate::World, pos: Pos| world.agent.distance(pos) >= 2;
         let area = self.rooms[index].area;
@@ -193,7 +193,7 @@ impl<'d, 'a> Rooms<'d, 'a> {
         j: i32,
         kind: Option<Kind>,
         color: Option<Color>,
-    ) -> Making<Cell> {
+    ) -> Generated<Cell> {
         let kind = kind.map_or_else(|| self.draft.pick(&KINDS), Ok)?;
         let color = color.map_or_else(|| self.draft.color(), Ok)?;
         let cell = self.draft.object(kind, color);
@@ -210,7 +210,7 @@ impl<'d, 'a> Rooms<'d, 'a> {
         wall: Option<usize>,
         color: Option<Color>,
         locked: Option<bool>,
-    ) -> Making<(Cell, Pos)> {
+    ) -> Generated<(Cell, Pos)> {
         let index = self.index(i, j)?;
         let wall = match wall {
             Some(wall) => wall,
@@ -226,7 +226,7 @@ impl<'d, 'a> Rooms<'d, 'a> {
         let locked = locked.map_or_else(|| self.draft.bool(), Ok)?;
         let room = &mut self.rooms[index];
         let (Some(neighbor), Way::Closed) = (room.neighbors[wall], room.ways[wall]) else {
-            return Err(Stop::Impossible(
+            return Err(GenerationError::Impossible(
                 "there is no wall for a door: have more rooms".into(),
             ));
         };
@@ -241,10 +241,10 @@ impl<'d, 'a> Rooms<'d, 'a> {
     }
 
     /// Removes the wall between two rooms.
-    pub(crate) fn remove_wall(&mut self, i: i32, j: i32, wall: usize) -> Making {
+    pub(crate) fn remove_wall(&mut self, i: i32, j: i32, wall: usize) -> Generated {
         let index = self.index(i, j)?;
         let Some(neighbor) = self.rooms[index].neighbors[wall] else {
-            return Err(Stop::Impossible(
+            return Err(GenerationError::Impossible(
                 "there is no wall to remove: have more rooms".into(),
             ));
         };
@@ -260,7 +260,7 @@ impl<'d, 'a> Rooms<'d, 'a> {
     }
 
     /// Places the agent in a room, facing an empty cell or a wall. Draws the room if it is `None`.
-    pub(crate) fn place_agent(&mut self, room: Option<(i32, i32)>) -> Making {
+    pub(crate) fn place_agent(&mut self, room: Option<(i32, i32)>) -> Generated {
         let (i, j) = room.map_or_else(|| self.random_room(), Ok)?;
         let area = self.rooms[self.index(i, j)?].area;
         loop {
@@ -273,7 +273,7 @@ impl<'d, 'a> Rooms<'d, 'a> {
     }
 
     /// Adds doors until every room can be reached.
-    pub(crate) fn connect_all(&mut self, colors: &[Color]) -> Making {
+    pub(crate) fn connect_all(&mut self, colors: &[Color]) -> Generated {
         let start = self.index_at(self.draft.world.agent);
         for _ in 0..=MAX_DOORS {
             if self.all_reached_from(start) {
@@ -291,7 +291,9 @@ impl<'d, 'a> Rooms<'d, 'a> {
             let color = self.draft.pick(colors)?;
             self.add_door(i, j, Some(wall), Some(color), Some(false))?;
         }
-        Err(Stop::Again("the rooms could not be connected"))
+        Err(GenerationError::Rejected(
+            "the rooms could not be connected",
+        ))
     }
 
     fn all_reached_from(&self, start: usize) -> bool {
@@ -315,7 +317,7 @@ impl<'d, 'a> Rooms<'d, 'a> {
         room: Option<(i32, i32)>,
         count: u32,
         unique: bool,
-    ) -> Making<Vec<Cell>> {
+    ) -> Generated<Vec<Cell>> {
         let mut known: Vec<(Kind, Color)> = self
             .rooms
             .iter()

@@ -4,7 +4,7 @@ use gym_core::registry::build;
 use gym_core::vector::{BoxVector, SyncVectorEnv, VectorSpec};
 use gym_core::{Arguments, Error, Result};
 
-use crate::{GridEnv, Level, Of};
+use crate::{Entry, GridEnv, Level};
 
 /// Makes a native vector from its spec.
 ///
@@ -12,7 +12,7 @@ use crate::{GridEnv, Level, Of};
 /// [`Error::InvalidArgument`] for arguments that the level does not have, and for features that
 /// only sync and async vectors have.
 pub(crate) fn entry_point<L: Level + Arguments + Clone>(spec: &VectorSpec) -> Result<BoxVector> {
-    vector(&build::<Of<L>>(&spec.env)?, spec)
+    vector(&build::<Entry<L>>(&spec.env)?, spec)
 }
 
 fn vector(env: &GridEnv, spec: &VectorSpec) -> Result<BoxVector> {

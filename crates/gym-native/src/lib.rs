@@ -51,10 +51,10 @@ use gym_core::vector::VectorEnv;
 use gym_core::{Dynamics, Error, Result, Task, arguments};
 
 pub use envs::NativeVectorEnv;
-pub use gym_core::equations::{Compared, Equations, Next, Of, Row};
+pub use gym_core::equations::{Compared, Equations, FixedArray, Next, Of};
 pub use gym_core::vector::{ActionColumn, Actions};
 pub use observations::ObservationColumn;
-pub use packed::{Packed, Whole};
+pub use packed::{Packed, Unpacked};
 pub use step::Many;
 
 /// The number of environments in a block. Their states are stored together, number by number.
@@ -66,7 +66,7 @@ pub trait Native:
     Dynamics + Task<State: Copy, Observation: ObservationColumn, Action: ActionColumn> + Sync
 {
     /// The stored form of a state between steps: `[f64; K]` for a few numbers, `u32` for the index
-    /// of a table's row, [`Whole`] for the state itself.
+    /// of a table's row, [`Unpacked`] for the state itself.
     type Packed: Packed;
 
     /// The stored form of the generator: [`WordStream`](gym_core::rng::WordStream), unless the task

@@ -70,9 +70,9 @@ impl<const K: usize> Packed for [f64; K] {
 
 /// A state that is stored as a whole, not as columns of numbers.
 #[derive(Clone, Copy, Debug)]
-pub struct Whole<S>(pub S);
+pub struct Unpacked<S>(pub S);
 
-impl<S> Packed for Whole<S>
+impl<S> Packed for Unpacked<S>
 where
     S: Copy + fmt::Debug + Send + Sync + Serialize + DeserializeOwned + 'static,
 {
@@ -132,14 +132,14 @@ mod tests {
     #[test]
     fn a_state_without_a_stored_form_is_an_error() {
         let mut bytes = Vec::new();
-        let error = Whole(Secret).put(&mut bytes).unwrap_err();
+        let error = Unpacked(Secret).put(&mut bytes).unwrap_err();
         assert!(
             matches!(&error, Error::Snapshot(reason) if reason == "it is secret"),
             "{error}"
         );
-        Whole((3, true)).put(&mut bytes).unwrap();
+        Unpacked((3, true)).put(&mut bytes).unwrap();
         assert_eq!(
-            Whole::take(&mut &*bytes).map(|Whole(state)| state),
+            Unpacked::take(&mut &*bytes).map(|Unpacked(state)| state),
             Some((3, true))
         );
     }

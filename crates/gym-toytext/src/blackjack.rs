@@ -28,7 +28,7 @@ use gym_core::{
     Dynamics, Generator, Keys, Policy, Registration, Reset, Result, Space, Stateful, Task,
     Transition,
 };
-use gym_native::{Many, Native, Whole};
+use gym_native::{Many, Native, Unpacked};
 use serde::{Deserialize, Serialize};
 
 /// The environment.
@@ -309,7 +309,7 @@ impl Dynamics for BlackjackDynamics {
 }
 
 impl Native for BlackjackDynamics {
-    type Packed = Whole<State>;
+    type Packed = Unpacked<State>;
     type Stream = Generator;
     type Constants = [f64; 0];
 
@@ -318,12 +318,12 @@ impl Native for BlackjackDynamics {
     }
 
     #[inline(always)]
-    fn pack(&self, state: &State) -> Whole<State> {
-        Whole(*state)
+    fn pack(&self, state: &State) -> Unpacked<State> {
+        Unpacked(*state)
     }
 
     #[inline(always)]
-    fn unpack(&self, Whole(state): Whole<State>, _fresh: bool) -> State {
+    fn unpack(&self, Unpacked(state): Unpacked<State>, _fresh: bool) -> State {
         state
     }
 

@@ -231,15 +231,15 @@ struct Lottery {
 enum Rows {
     /// Each row has a single outcome, whatever the drawn number.
     Certain(Vec<Ticket>),
-    Random(Vec<Row>),
-    /// The outcomes of each row, in full. For a table with more outcomes in a row than [`Row`] can
-    /// hold, or with more kinds of outcomes than [`Ticket`] can number.
+    Random(Vec<FewOutcomes>),
+    /// The outcomes of each row, in full. For a table with more outcomes in a row than
+    /// [`FewOutcomes`] can hold, or with more kinds of outcomes than [`Ticket`] can number.
     Listed(Vec<Vec<Outcome>>),
 }
 
 /// The outcomes of one action in one state: at most [`MAX_OUTCOMES`].
 #[derive(Debug, PartialEq)]
-struct Row {
+struct FewOutcomes {
     /// The partial sums of the probabilities; infinite after the last outcome.
     sums: [f64; MAX_OUTCOMES],
     /// The outcomes, and after the last outcome the first one again, for a drawn number above all
@@ -296,7 +296,7 @@ impl Lottery {
                     (1..=MAX_OUTCOMES).contains(&outcomes.len()),
                     "a row holds up to three"
                 );
-                let mut row = Row {
+                let mut row = FewOutcomes {
                     sums: [f64::INFINITY; MAX_OUTCOMES],
                     tickets: [ticket(&outcomes[0]); MAX_OUTCOMES + 1],
                 };
@@ -469,7 +469,7 @@ mod tests {
         );
     }
 
-    /// Tests numbers of outcomes that a [`Row`] can hold, and a larger number.
+    /// Tests numbers of outcomes that a [`FewOutcomes`] can hold, and a larger number.
     #[test]
     fn a_draw_above_all_sums_gives_the_first_outcome() {
         for n in [2, 3, 4, 9] {

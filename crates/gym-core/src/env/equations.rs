@@ -22,13 +22,13 @@ use crate::value::Result;
 /// page on native vectors. Mark functions with `R: Real`, and all that they call,
 /// `#[inline(always)]`: otherwise they are compiled without SIMD.
 pub trait Equations:
-    Task<Config: Arguments + Clone, State: Copy, Observation: Row, Action: ActionColumn> + Sync
+    Task<Config: Arguments + Clone, State: Copy, Observation: FixedArray, Action: ActionColumn> + Sync
 {
     /// The numbers that steps work with, `[f64; K]`.
-    type Numbers: Row;
+    type Numbers: FixedArray;
 
     /// An action as numbers, `[f64; A]`.
-    type Input: Row;
+    type Input: FixedArray;
 
     /// The constants of the equations, a struct of [`constants!`](crate::constants). They follow
     /// from the arguments, and may differ between the environments of a vector.
@@ -93,7 +93,7 @@ pub trait Constants: Copy + fmt::Debug + PartialEq + Send + Sync + 'static {
     type Of<T: Copy + fmt::Debug>: Copy + fmt::Debug;
 
     /// `[f64; P]`.
-    type Array: Row;
+    type Array: FixedArray;
 
     /// The constants in the order of the fields.
     fn to_array(self) -> Self::Array;
@@ -178,17 +178,17 @@ impl<C: Copy + PartialEq> Compared<C> {
 }
 
 /// An array type. [`Of`] is an array of the same length.
-pub trait Row: Copy + fmt::Debug + Send + Sync + 'static {
+pub trait FixedArray: Copy + fmt::Debug + Send + Sync + 'static {
     /// `[T; N]`.
     type Of<T: Copy + fmt::Debug>: Copy + fmt::Debug + IntoIterator<Item = T>;
 }
 
-impl<S: Copy + fmt::Debug + Send + Sync + 'static, const N: usize> Row for [S; N] {
+impl<S: Copy + fmt::Debug + Send + Sync + 'static, const N: usize> FixedArray for [S; N] {
     type Of<T: Copy + fmt::Debug> = [T; N];
 }
 
 /// `[T; N]` for a type `A` that is an array of `N`.
-pub type Of<A, T> = <A as Row>::Of<T>;
+pub type Of<A, T> = <A as FixedArray>::Of<T>;
 
 /// The result of a step.
 #[derive(Clone, Copy, Debug)]

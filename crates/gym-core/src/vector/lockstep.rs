@@ -21,7 +21,8 @@ use crate::env::{BoxEnv, Env, EnvExt};
 use crate::spec::Reset;
 use crate::value::{Element, Result};
 
-/// Working memory for a group of environments, and the shared part of their steps.
+/// The buffers of a group of environments for a step, and the part of the step that is computed for
+/// all of them together.
 pub trait Together: Default + Send + 'static {
     /// The largest number of environments in a group.
     const LEN: usize;
@@ -37,7 +38,7 @@ pub trait Together: Default + Send + 'static {
 ///
 /// The results must equal the results of ordinary steps, bit for bit.
 pub trait Lockstep: Env {
-    /// The state that a group shares.
+    /// The buffers of a group.
     type Group: Together;
 
     /// Reads some bytes of all memory that a step needs, and returns a value computed from them.

@@ -11,13 +11,13 @@
 //!
 //! Source: minigrid 3.2.0, `envs/babyai/goto.py`.
 
-use super::level_gen::Task;
+use super::level_gen::Verb;
 use super::{Desc, Instr, LevelGen, Maze, babyai, check_reachable};
 use crate::rooms::Rooms;
 use crate::tasks::ids;
-use crate::{Cell, Color, Kind, Making, State, Stop};
+use crate::{Cell, Color, Generated, GenerationError, Kind, State};
 
-fn go_to(object: Cell) -> Making<Instr> {
+fn go_to(object: Cell) -> Generated<Instr> {
     Ok(Instr::GoTo(Desc::of(object)))
 }
 
@@ -142,7 +142,7 @@ babyai! {
 
 /// Adds a locked door to a random room, and its key to a random room, which can be the same, as in
 /// minigrid. Returns the room and the door.
-pub(super) fn add_locked_room(rooms: &mut Rooms<'_, '_>) -> Making<((i32, i32), Cell)> {
+pub(super) fn add_locked_room(rooms: &mut Rooms<'_, '_>) -> Generated<((i32, i32), Cell)> {
     let locked = rooms.random_room()?;
     let (door, _) = rooms.add_door(locked.0, locked.1, None, None, Some(true))?;
     let (i, j) = rooms.random_room()?;
@@ -151,7 +151,7 @@ pub(super) fn add_locked_room(rooms: &mut Rooms<'_, '_>) -> Making<((i32, i32), 
 }
 
 /// Places the agent in a random room other than `(i, j)`.
-pub(super) fn place_agent_outside(rooms: &mut Rooms<'_, '_>, (i, j): (i32, i32)) -> Making {
+pub(super) fn place_agent_outside(rooms: &mut Rooms<'_, '_>, (i, j): (i32, i32)) -> Generated {
     let locked = rooms.index(i, j)?;
     loop {
         rooms.place_agent(None)?;
@@ -177,7 +177,7 @@ babyai! {
             locked_room_probability: 0.0,
             locations: false,
             unblocking: false,
-            tasks: &[Task::GoTo],
+            verbs: &[Verb::GoTo],
             ..LevelGen::DEFAULT
         };
         level.make(rooms)
@@ -200,7 +200,7 @@ babyai! {
             object.is(Kind::Ball) && [Color::Red, Color::Blue].contains(&object.color())
         };
         if objects.iter().any(is_target) {
-            return Err(Stop::Again("there is another red or blue ball"));
+            return Err(GenerationError::Rejected("there is another red or blue ball"));
         }
         let color = rooms.draft.pick(&[Color::Red, Color::Blue])?;
         let ball = rooms.add_object(0, 0, Some(Kind::Ball), Some(color))?;

@@ -2,11 +2,11 @@
 
 use super::{Desc, Instr, Loc, check_reachable};
 use crate::rooms::Rooms;
-use crate::{Color, Kind, Making, Stop};
+use crate::{Color, Generated, GenerationError, Kind};
 
-/// The kinds of single tasks.
+/// What a single instruction asks for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Task {
+pub(crate) enum Verb {
     GoTo,
     Pickup,
     Open,
@@ -34,7 +34,7 @@ pub(crate) struct LevelGen {
     pub(crate) locations: bool,
     pub(crate) unblocking: bool,
     pub(crate) implicit_unlock: bool,
-    pub(crate) tasks: &'static [Task],
+    pub(crate) verbs: &'static [Verb],
     pub(crate) forms: &'static [Form],
 }
 
@@ -46,11 +46,11 @@ impl LevelGen {
         locations: true,
         unblocking: true,
         implicit_unlock: true,
-        tasks: &[Task::GoTo, Task::Pickup, Task::Open, Task::PutNext],
+        verbs: &[Verb::GoTo, Verb::Pickup, Verb::Open, Verb::PutNext],
         forms: &[Form::Single, Form::And, Form::Sequence],
     };
 
-    pub(crate) fn make(&self, rooms: &mut Rooms<'_, '_>) -> Making<Instr> {
+    pub(crate) fn make(&self, rooms: &mut Rooms<'_, '_>) -> Generated<Instr> {
         let locked = if rooms.draft.float() < self.locked_room_probability {
             Some(add_locked_room(rooms)?)
         } else {
@@ -75,7 +75,7 @@ impl LevelGen {
         rooms: &mut Rooms<'_, '_>,
         locked: Option<usize>,
         forms: &[Form],
-    ) -> Making<Instr> {
+    ) -> Generated<Instr> {
         let two = |rooms: &mut Rooms<'_, '_>, forms: &[Form]| {
             let a = self.instruction(rooms, locked, forms)?;
             Ok((a, self.instruction(rooms, locked, forms)?))
@@ -91,15 +91,15 @@ impl LevelGen {
         }
     }
 
-    fn single(&self, rooms: &mut Rooms<'_, '_>, locked: Option<usize>) -> Making<Instr> {
+    fn single(&self, rooms: &mut Rooms<'_, '_>, locked: Option<usize>) -> Generated<Instr> {
         let things = &ANY[..3];
-        let task = rooms.draft.pick(self.tasks)?;
+        let verb = rooms.draft.pick(self.verbs)?;
         let mut object = |kinds: &[Kind]| self.object(rooms, locked, kinds);
-        Ok(match task {
-            Task::GoTo => Instr::GoTo(object(&ANY)?),
-            Task::Pickup => Instr::pickup(object(things)?, false),
-            Task::Open => Instr::open(object(&[Kind::Door])?, false),
-            Task::PutNext => Instr::put_next(object(things)?, object(&ANY)?),
+        Ok(match verb {
+            Verb::GoTo => Instr::GoTo(object(&ANY)?),
+            Verb::Pickup => Instr::pickup(object(things)?, false),
+            Verb::Open => Instr::open(object(&[Kind::Door])?, false),
+            Verb::PutNext => Instr::put_next(object(things)?, object(&ANY)?),
         })
     }
 
@@ -110,7 +110,7 @@ impl LevelGen {
         rooms: &mut Rooms<'_, '_>,
         locked: Option<usize>,
         kinds: &[Kind],
-    ) -> Making<Desc> {
+    ) -> Generated<Desc> {
         let mut colors = vec![None];
         colors.extend(Color::SORTED.map(Some));
         for _ in 0..=MAX_TRIES {
@@ -131,12 +131,12 @@ impl LevelGen {
                 return Ok(desc);
             }
         }
-        Err(Stop::Again("no object was found"))
+        Err(GenerationError::Rejected("no object was found"))
     }
 }
 
 /// Adds a room behind a locked door, and its key in another room. Returns the index of the room.
-fn add_locked_room(rooms: &mut Rooms<'_, '_>) -> Making<usize> {
+fn add_locked_room(rooms: &mut Rooms<'_, '_>) -> Generated<usize> {
     let (locked, door) = loop {
         let (i, j) = rooms.random_room()?;
         let (index, wall) = (rooms.index(i, j)?, rooms.draft.int(0, 4)? as usize);

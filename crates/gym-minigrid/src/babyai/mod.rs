@@ -22,7 +22,7 @@ pub use description::{Desc, Loc};
 pub use instruction::Instr;
 pub(crate) use level_gen::LevelGen;
 
-use crate::draft::{Making, Stop};
+use crate::draft::{Generated, GenerationError};
 use crate::level::{Rules, View};
 use crate::rooms::{Rooms, grid_size};
 use crate::view::DIRECTIONS;
@@ -104,8 +104,8 @@ pub(crate) fn generate(
     plan: Plan,
     view: &View,
     draft: &mut Draft<'_>,
-    make: impl Fn(&mut Rooms<'_, '_>) -> Making<Instr>,
-) -> Making {
+    make: impl Fn(&mut Rooms<'_, '_>) -> Generated<Instr>,
+) -> Generated {
     let maze = plan.maze;
     let mut instr = loop {
         let attempt = Rooms::new(draft, maze.room_size, maze.num_cols, maze.num_rows).and_then(
@@ -123,7 +123,7 @@ pub(crate) fn generate(
             },
         );
         match attempt {
-            Err(Stop::Again(_)) => {}
+            Err(GenerationError::Rejected(_)) => {}
             other => break other?,
         }
     };
@@ -184,24 +184,28 @@ fn locked_colors(rooms: &Rooms<'_, '_>) -> Vec<Color> {
 
 /// Finds the objects of a single task. Returns an error for a task that is already done or cannot
 /// be done.
-fn validate(instr: &mut Instr, world: &World, room: crate::Area, locked: &[Color]) -> Making {
+fn validate(instr: &mut Instr, world: &World, room: crate::Area, locked: &[Color]) -> Generated {
     for desc in instr.descriptions() {
         desc.find(world, room);
         if desc.count() == 0 {
-            return Err(Stop::Impossible("no object fits the instruction".into()));
+            return Err(GenerationError::Impossible(
+                "no object fits the instruction".into(),
+            ));
         }
     }
     if let Instr::PutNext { moved, fixed, .. } = instr
         && (moved.meets(fixed) || moved.any_next_to(fixed))
     {
-        return Err(Stop::Again("the objects are next to each other already"));
+        return Err(GenerationError::Rejected(
+            "the objects are next to each other already",
+        ));
     }
     if instr
         .descriptions()
         .iter()
         .any(|desc| desc.is_key_of(locked))
     {
-        return Err(Stop::Again("the key is needed for a door"));
+        return Err(GenerationError::Rejected("the key is needed for a door"));
     }
     Ok(())
 }
@@ -227,11 +231,11 @@ pub(crate) fn all_reachable(world: &World) -> bool {
 }
 
 /// Returns an error for a level with an object that the agent cannot reach.
-pub(crate) fn check_reachable(rooms: &Rooms<'_, '_>) -> Making {
+pub(crate) fn check_reachable(rooms: &Rooms<'_, '_>) -> Generated {
     if all_reachable(rooms.draft.world) {
         Ok(())
     } else {
-        Err(Stop::Again("an object cannot be reached"))
+        Err(GenerationError::Rejected("an object cannot be reached"))
     }
 }
 
@@ -263,8 +267,8 @@ macro_rules! babyai {
                 $crate::babyai::rules(self.plan())
             }
 
-            fn generate(&self, draft: &mut $crate::Draft<'_>) -> $crate::Making {
-                type Make<T> = fn(&T, &mut $crate::rooms::Rooms<'_, '_>) -> $crate::Making<$crate::babyai::Instr>;
+            fn generate(&self, draft: &mut $crate::Draft<'_>) -> $crate::Generated {
+                type Make<T> = fn(&T, &mut $crate::rooms::Rooms<'_, '_>) -> $crate::Generated<$crate::babyai::Instr>;
                 let make: Make<Self> = $make;
                 $crate::babyai::generate(self.plan(), &self.view, draft, |rooms| make(self, rooms))
             }

@@ -11,12 +11,12 @@
 //!
 //! Source: minigrid 3.2.0, `envs/babyai/pickup.py`.
 
-use super::level_gen::{Form, Task};
+use super::level_gen::{Form, Verb};
 use super::{Desc, Instr, LevelGen, Maze, Plan, all_reachable, babyai, check_reachable};
 use crate::tasks::ids;
-use crate::{Cell, Color, Making, Stop};
+use crate::{Cell, Color, Generated, GenerationError};
 
-fn pickup(object: Cell) -> Making<Instr> {
+fn pickup(object: Cell) -> Generated<Instr> {
     Ok(Instr::pickup(Desc::of(object), false))
 }
 
@@ -50,7 +50,7 @@ babyai! {
         rooms.connect_all(&Color::SORTED)?;
         let objects = rooms.add_distractors(None, 20, false)?;
         if all_reachable(rooms.draft.world) {
-            return Err(Stop::Again("every object can be reached"));
+            return Err(GenerationError::Rejected("every object can be reached"));
         }
         pickup(rooms.draft.pick(&objects)?)
     };
@@ -68,7 +68,7 @@ babyai! {
             distractors: 8,
             locked_room_probability: 0.0,
             unblocking: false,
-            tasks: &[Task::Pickup],
+            verbs: &[Verb::Pickup],
             forms: &[Form::Single],
             ..LevelGen::DEFAULT
         };

@@ -15,67 +15,41 @@ use super::level_gen::Form;
 use super::{LevelGen, Maze, Plan, babyai};
 use crate::tasks::ids;
 
-babyai! {
+/// Defines a level of random instructions in a maze: `num_dists` other objects, and what differs
+/// from [`LevelGen::DEFAULT`].
+macro_rules! synth {
+    ($(#[$doc:meta])* $name:ident { $($field:ident: $value:expr),* }) => {
+        babyai! {
+            $(#[$doc])*
+            $name {
+                /// The rooms.
+                #[flatten]
+                pub maze: Maze,
+                /// The number of other objects.
+                pub num_dists: u32 = 18,
+            }
+            plan |level| Plan { unblocking: true, ..level.maze.into() };
+            make |level, rooms| {
+                let distractors = level.num_dists;
+                LevelGen { distractors, $($field: $value,)* ..LevelGen::DEFAULT }.make(rooms)
+            };
+        }
+    };
+}
+
+synth! {
     /// Single instructions.
-    Synth {
-        /// The rooms.
-        #[flatten]
-        pub maze: Maze,
-        /// The number of other objects.
-        pub num_dists: u32 = 18,
-    }
-    plan |level| Plan { unblocking: true, ..level.maze.into() };
-    make |level, rooms| {
-        let level = LevelGen {
-            distractors: level.num_dists,
-            locations: false,
-            implicit_unlock: false,
-            forms: &[Form::Single],
-            ..LevelGen::DEFAULT
-        };
-        level.make(rooms)
-    };
+    Synth { locations: false, implicit_unlock: false, forms: &[Form::Single] }
 }
 
-babyai! {
+synth! {
     /// Single instructions that may describe places.
-    SynthLoc {
-        /// The rooms.
-        #[flatten]
-        pub maze: Maze,
-        /// The number of other objects.
-        pub num_dists: u32 = 18,
-    }
-    plan |level| Plan { unblocking: true, ..level.maze.into() };
-    make |level, rooms| {
-        let level = LevelGen {
-            distractors: level.num_dists,
-            implicit_unlock: false,
-            forms: &[Form::Single],
-            ..LevelGen::DEFAULT
-        };
-        level.make(rooms)
-    };
+    SynthLoc { implicit_unlock: false, forms: &[Form::Single] }
 }
 
-babyai! {
+synth! {
     /// Instructions of all forms, which need no object in a locked room.
-    SynthSeq {
-        /// The rooms.
-        #[flatten]
-        pub maze: Maze,
-        /// The number of other objects.
-        pub num_dists: u32 = 18,
-    }
-    plan |level| Plan { unblocking: true, ..level.maze.into() };
-    make |level, rooms| {
-        let level = LevelGen {
-            distractors: level.num_dists,
-            implicit_unlock: false,
-            ..LevelGen::DEFAULT
-        };
-        level.make(rooms)
-    };
+    SynthSeq { implicit_unlock: false }
 }
 
 babyai! {
@@ -92,44 +66,14 @@ babyai! {
     };
 }
 
-babyai! {
+synth! {
     /// All of it.
-    BossLevel {
-        /// The rooms.
-        #[flatten]
-        pub maze: Maze,
-        /// The number of other objects.
-        pub num_dists: u32 = 18,
-    }
-    plan |level| Plan { unblocking: true, ..level.maze.into() };
-    make |level, rooms| {
-        let level = LevelGen {
-            distractors: level.num_dists,
-            ..LevelGen::DEFAULT
-        };
-        level.make(rooms)
-    };
+    BossLevel {}
 }
 
-babyai! {
+synth! {
     /// All of it, without locked rooms.
-    BossLevelNoUnlock {
-        /// The rooms.
-        #[flatten]
-        pub maze: Maze,
-        /// The number of other objects.
-        pub num_dists: u32 = 18,
-    }
-    plan |level| Plan { unblocking: true, ..level.maze.into() };
-    make |level, rooms| {
-        let level = LevelGen {
-            distractors: level.num_dists,
-            locked_room_probability: 0.0,
-            implicit_unlock: false,
-            ..LevelGen::DEFAULT
-        };
-        level.make(rooms)
-    };
+    BossLevelNoUnlock { locked_room_probability: 0.0, implicit_unlock: false }
 }
 
 ids! { Synth, "Follow a single instruction.":

@@ -17,7 +17,7 @@ use super::unlock_pickup::{ROOM_SIZE, add_locked_box};
 use super::{describe, ids, names, pick_up, square};
 use crate::level::{Level, Rules, level};
 use crate::rooms::{Rooms, grid_size};
-use crate::{Action, Color, Draft, Kind, Making, World};
+use crate::{Action, Color, Draft, Generated, Kind, World};
 
 level! {
     /// Arguments.
@@ -34,7 +34,7 @@ impl Level for BlockedUnlockPickup {
         )
     }
 
-    fn generate(&self, draft: &mut Draft<'_>) -> Making {
+    fn generate(&self, draft: &mut Draft<'_>) -> Generated {
         let mut rooms = Rooms::new(draft, ROOM_SIZE, 2, 1)?;
         let target = add_locked_box(&mut rooms, true, 0)?;
         draft.mission(format!("pick up the {}", describe(target)));

@@ -16,7 +16,7 @@ use serde::{Deserialize, Serialize};
 
 use super::ids;
 use crate::level::{Level, Rules, level};
-use crate::{Cell, Draft, Making, Pos};
+use crate::{Cell, Draft, Generated, Pos};
 
 /// The kind of obstacle in the agent's way.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -70,7 +70,7 @@ impl Level for Crossing {
         Ok(Rules::square(self.size, 4, self.obstacle_type.mission()))
     }
 
-    fn generate(&self, draft: &mut Draft<'_>) -> Making {
+    fn generate(&self, draft: &mut Draft<'_>) -> Generated {
         let (width, height) = (draft.width(), draft.height());
         draft.world.grid.surround();
         draft.put_agent(Pos::new(1, 1), 0);

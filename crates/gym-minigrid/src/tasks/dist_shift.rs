@@ -13,7 +13,7 @@
 
 use super::{DIRECTION, direction, ids};
 use crate::level::{Level, Rules, level};
-use crate::{Cell, Draft, Making, Pos};
+use crate::{Cell, Draft, Generated, Pos};
 
 level! {
     /// Arguments.
@@ -44,7 +44,7 @@ impl Level for DistShift {
         .see_through())
     }
 
-    fn generate(&self, draft: &mut Draft<'_>) -> Making {
+    fn generate(&self, draft: &mut Draft<'_>) -> Generated {
         let width = draft.width();
         draft.world.grid.surround();
         draft.put(Pos::new(width - 2, 1), Cell::GOAL);

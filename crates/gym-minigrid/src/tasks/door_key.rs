@@ -14,7 +14,7 @@
 use super::ids;
 use crate::draft::Area;
 use crate::level::{Level, Rules, level};
-use crate::{Cell, Color, Draft, Kind, Making, Pos, State};
+use crate::{Cell, Color, Draft, Generated, Kind, Pos, State};
 
 level! {
     /// Arguments.
@@ -30,7 +30,7 @@ impl Level for DoorKey {
         Ok(Rules::square(self.size, 10, mission))
     }
 
-    fn generate(&self, draft: &mut Draft<'_>) -> Making {
+    fn generate(&self, draft: &mut Draft<'_>) -> Generated {
         let (width, height) = (draft.width(), draft.height());
         draft.world.grid.surround();
         draft.put(Pos::new(width - 2, height - 2), Cell::GOAL);

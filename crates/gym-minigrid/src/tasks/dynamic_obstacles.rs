@@ -16,7 +16,7 @@ use gym_core::{Generator, Outcome};
 use super::{DIRECTION, direction, ids};
 use crate::draft::Area;
 use crate::level::{Level, Rules, level};
-use crate::{Action, Cell, Color, Draft, Kind, Making, Pos, World};
+use crate::{Action, Cell, Color, Draft, Generated, Kind, Pos, World};
 
 /// The number of attempts to move an obstacle.
 const MAX_TRIES: u32 = 100;
@@ -45,7 +45,7 @@ impl Level for DynamicObstacles {
         })
     }
 
-    fn generate(&self, draft: &mut Draft<'_>) -> Making {
+    fn generate(&self, draft: &mut Draft<'_>) -> Generated {
         draft.world.grid.surround();
         draft.put(Pos::new(draft.width() - 2, draft.height() - 2), Cell::GOAL);
         match self.agent_start_pos {

@@ -13,7 +13,7 @@
 
 use super::{DIRECTION, direction, ids};
 use crate::level::{Level, Rules, level};
-use crate::{Cell, Draft, Making, Pos};
+use crate::{Cell, Draft, Generated, Pos};
 
 level! {
     /// Arguments.
@@ -33,7 +33,7 @@ impl Level for Empty {
         Ok(Rules::square(self.size, 4, "get to the green goal square").see_through())
     }
 
-    fn generate(&self, draft: &mut Draft<'_>) -> Making {
+    fn generate(&self, draft: &mut Draft<'_>) -> Generated {
         draft.world.grid.surround();
         draft.put(Pos::new(draft.width() - 2, draft.height() - 2), Cell::GOAL);
         match self.agent_start_pos {

@@ -17,7 +17,7 @@ use gym_core::{Generator, Outcome};
 
 use super::{describe, ids, is_alike, names};
 use crate::level::{Level, Rules, level};
-use crate::{Action, Color, Draft, Kind, Making, World};
+use crate::{Action, Color, Draft, Generated, Kind, World};
 
 const PHRASES: [&str; 5] = [
     "get a",
@@ -47,7 +47,7 @@ impl Level for Fetch {
         )
     }
 
-    fn generate(&self, draft: &mut Draft<'_>) -> Making {
+    fn generate(&self, draft: &mut Draft<'_>) -> Generated {
         draft.world.grid.surround();
         let mut objects = Vec::new();
         for _ in 0..self.numObjs {

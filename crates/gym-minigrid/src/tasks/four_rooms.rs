@@ -13,7 +13,7 @@
 
 use super::ids;
 use crate::level::{Level, Rules, level};
-use crate::{Cell, Draft, Making, Pos};
+use crate::{Cell, Draft, Generated, Pos};
 
 /// Columns and rows of the grid, walls included.
 const SIZE: u32 = 19;
@@ -33,7 +33,7 @@ impl Level for FourRooms {
         Ok(Rules::new(SIZE, SIZE, 100, "reach the goal"))
     }
 
-    fn generate(&self, draft: &mut Draft<'_>) -> Making {
+    fn generate(&self, draft: &mut Draft<'_>) -> Generated {
         draft.world.grid.surround();
         let (room_w, room_h) = (draft.width() / 2, draft.height() / 2);
         for (j, i) in [(0, 0), (0, 1), (1, 0), (1, 1)] {

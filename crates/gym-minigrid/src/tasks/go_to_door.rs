@@ -16,7 +16,7 @@ use gym_core::{Generator, Outcome};
 use super::ids;
 use crate::draft::Area;
 use crate::level::{Level, Rules, level};
-use crate::{Action, Cell, Color, Draft, Making, Pos, State, World};
+use crate::{Action, Cell, Color, Draft, Generated, Pos, State, World};
 
 level! {
     /// Arguments.
@@ -35,7 +35,7 @@ impl Level for GoToDoor {
         rules.missions("go to the {} door", [Color::names()])
     }
 
-    fn generate(&self, draft: &mut Draft<'_>) -> Making {
+    fn generate(&self, draft: &mut Draft<'_>) -> Generated {
         let width = draft.int(5, draft.width() + 1)?;
         let height = draft.int(5, draft.height() + 1)?;
         draft.world.grid.wall_rect(0, 0, width, height);

@@ -18,7 +18,7 @@ use gym_core::{Generator, Outcome};
 use super::{describe, distinct_objects, ids, names};
 use crate::level::{Level, Rules, level};
 use crate::rooms::KINDS;
-use crate::{Action, Color, Draft, Making, World};
+use crate::{Action, Color, Draft, Generated, World};
 
 level! {
     /// Arguments.
@@ -36,7 +36,7 @@ impl Level for GoToObject {
         rules.missions("go to the {} {}", [Color::names(), names(&KINDS)])
     }
 
-    fn generate(&self, draft: &mut Draft<'_>) -> Making {
+    fn generate(&self, draft: &mut Draft<'_>) -> Generated {
         draft.world.grid.surround();
         let objects = distinct_objects(draft, self.numObjs, |_, _| true)?;
         draft.place_agent()?;

@@ -16,13 +16,13 @@ use gym_core::{Generator, Outcome};
 use super::{describe, ids, pick_up, square};
 use crate::level::{Level, Rules, level};
 use crate::rooms::{KINDS, Rooms, grid_size};
-use crate::{Action, Cell, Color, Draft, Kind, Making, World};
+use crate::{Action, Cell, Color, Draft, Generated, Kind, World};
 
 const COLUMNS: u32 = 3;
 
 /// Turns the middle rooms into a corridor with the agent. Places an object in a locked room on the
 /// right, and the key on the left. Returns the object.
-pub(crate) fn add_corridor(rooms: &mut Rooms<'_, '_>, kind: Kind) -> Making<Cell> {
+pub(crate) fn add_corridor(rooms: &mut Rooms<'_, '_>, kind: Kind) -> Generated<Cell> {
     for j in 1..rooms.rows {
         rooms.remove_wall(1, j, 3)?;
     }
@@ -61,7 +61,7 @@ impl Level for KeyCorridor {
         )
     }
 
-    fn generate(&self, draft: &mut Draft<'_>) -> Making {
+    fn generate(&self, draft: &mut Draft<'_>) -> Generated {
         let mut rooms = Rooms::new(draft, self.room_size, COLUMNS, self.num_rows)?;
         let target = add_corridor(&mut rooms, self.obj_type)?;
         draft.mission(format!("pick up the {}", describe(target)));

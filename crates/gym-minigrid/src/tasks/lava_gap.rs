@@ -14,7 +14,7 @@
 use super::crossing::Obstacle;
 use super::ids;
 use crate::level::{Level, Rules, level};
-use crate::{Cell, Draft, Making, Pos};
+use crate::{Cell, Draft, Generated, Pos};
 
 level! {
     /// Arguments.
@@ -34,7 +34,7 @@ impl Level for LavaGap {
         Ok(Rules::square(self.size, 4, self.obstacle_type.mission()))
     }
 
-    fn generate(&self, draft: &mut Draft<'_>) -> Making {
+    fn generate(&self, draft: &mut Draft<'_>) -> Generated {
         let (width, height) = (draft.width(), draft.height());
         draft.world.grid.surround();
         draft.put_agent(Pos::new(1, 1), 0);

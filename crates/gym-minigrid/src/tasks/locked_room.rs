@@ -14,7 +14,7 @@
 use super::{ids, inside};
 use crate::draft::Area;
 use crate::level::{Level, Rules, level};
-use crate::{Cell, Color, Draft, Kind, Making, Pos, State};
+use crate::{Cell, Color, Draft, Generated, Kind, Pos, State};
 
 const MISSION: &str = "get the {} key from the {} room, unlock the {} door and go to the goal";
 
@@ -32,7 +32,7 @@ impl Level for LockedRoom {
         rules.missions(MISSION, vec![Color::names(); 3])
     }
 
-    fn generate(&self, draft: &mut Draft<'_>) -> Making {
+    fn generate(&self, draft: &mut Draft<'_>) -> Generated {
         let (width, height) = (draft.width(), draft.height());
         draft.world.grid.surround();
         let (left, right) = (width / 2 - 2, width / 2 + 2);

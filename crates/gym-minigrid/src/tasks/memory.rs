@@ -17,7 +17,7 @@ use gym_core::{Generator, Outcome};
 use super::ids;
 use crate::env::WINDOW;
 use crate::level::{Level, Rules, level};
-use crate::{Action, Cell, Color, Draft, Kind, Making, Pos, World};
+use crate::{Action, Cell, Color, Draft, Generated, Kind, Pos, World};
 
 level! {
     /// Arguments.
@@ -41,7 +41,7 @@ impl Level for Memory {
         Ok(Rules::square(self.size, 5, mission))
     }
 
-    fn generate(&self, draft: &mut Draft<'_>) -> Making {
+    fn generate(&self, draft: &mut Draft<'_>) -> Generated {
         let (width, height) = (draft.width(), draft.height());
         let middle = height / 2;
         let (upper, lower) = (middle - 2, middle + 2);

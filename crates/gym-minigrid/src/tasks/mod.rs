@@ -26,7 +26,7 @@ use gym_core::Outcome;
 use gym_core::registry::Exceptions;
 
 use crate::draft::Area;
-use crate::{Action, Cell, Color, Draft, Kind, Making, Pos, World};
+use crate::{Action, Cell, Color, Draft, Generated, Kind, Pos, World};
 
 /// Returns the square of `size`; the largest number if it overflows.
 pub(crate) fn square(size: u32) -> u32 {
@@ -95,7 +95,7 @@ pub(crate) fn is_alike(a: Cell, b: Cell) -> bool {
 }
 
 /// Draws a position inside the walls of a room.
-pub(crate) fn inside(draft: &mut Draft<'_>, room: Area) -> Making<Pos> {
+pub(crate) fn inside(draft: &mut Draft<'_>, room: Area) -> Generated<Pos> {
     let end = room.top + room.size - Pos::new(1, 1);
     let x = draft.int(room.top.x + 1, end.x)?;
     Ok(Pos::new(x, draft.int(room.top.y + 1, end.y)?))
@@ -117,7 +117,7 @@ pub(crate) fn distinct_objects(
     draft: &mut Draft<'_>,
     count: u32,
     accept: impl Fn(&[(Cell, Pos)], Pos) -> bool,
-) -> Making<Vec<(Cell, Pos)>> {
+) -> Generated<Vec<(Cell, Pos)>> {
     let mut objects: Vec<(Cell, Pos)> = Vec::new();
     while objects.len() < count as usize {
         let kind = draft.pick(&crate::rooms::KINDS)?;

@@ -16,7 +16,7 @@
 use super::ids;
 use crate::draft::Area;
 use crate::level::{Level, Rules, level};
-use crate::{Cell, Color, Draft, Making, Pos, State};
+use crate::{Cell, Color, Draft, Generated, Pos, State};
 
 /// The smallest width of a room.
 const MIN_SIZE: i32 = 4;
@@ -62,7 +62,7 @@ impl Level for MultiRoom {
         ))
     }
 
-    fn generate(&self, draft: &mut Draft<'_>) -> Making {
+    fn generate(&self, draft: &mut Draft<'_>) -> Generated {
         let (least, most) = (self.minNumRooms as i32, self.maxNumRooms as i32);
         let count = draft.int(least, most + 1)? as usize;
         let mut rooms = Vec::new();
@@ -103,7 +103,7 @@ impl MultiRoom {
         rooms: &mut Vec<Room>,
         entry: usize,
         door: Pos,
-    ) -> Making<bool> {
+    ) -> Generated<bool> {
         let max = self.maxRoomSize as i32;
         let width = draft.int(MIN_SIZE, max + 1)?;
         let height = draft.int(MIN_SIZE, max + 1)?;

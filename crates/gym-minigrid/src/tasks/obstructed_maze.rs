@@ -18,7 +18,7 @@ use super::{ids, pick_up, square};
 use crate::env::WINDOW;
 use crate::level::{Level, Rules, level};
 use crate::rooms::{Rooms, grid_size};
-use crate::{Action, Color, Draft, Kind, Making, Pos, World};
+use crate::{Action, Color, Draft, Generated, Kind, Pos, World};
 
 /// Columns and rows of a room, walls included.
 const ROOM_SIZE: u32 = 6;
@@ -52,7 +52,7 @@ fn add_locked_door(
     wall: usize,
     color: Color,
     blocked: bool,
-) -> Making {
+) -> Generated {
     let (_, pos): (_, Pos) = rooms.add_door(column, row, Some(wall), Some(color), Some(true))?;
     if blocked {
         rooms.block(pos, wall, BLOCKING);
@@ -66,7 +66,7 @@ fn add_key(
     (column, row): (i32, i32),
     color: Color,
     in_box: bool,
-) -> Making {
+) -> Generated {
     let key = rooms.draft.object(Kind::Key, color);
     let cell = if in_box {
         rooms.draft.box_of(BOX, key)
@@ -91,7 +91,7 @@ impl Level for ObstructedMaze1Dlhb {
         rules(2, 1, 2)
     }
 
-    fn generate(&self, draft: &mut Draft<'_>) -> Making {
+    fn generate(&self, draft: &mut Draft<'_>) -> Generated {
         let mut rooms = Rooms::new(draft, ROOM_SIZE, 2, 1)?;
         let colors = rooms.draft.subset(&Color::SORTED, Color::SORTED.len())?;
         add_locked_door(&mut rooms, (0, 0), 0, colors[0], self.blocked)?;
@@ -144,7 +144,7 @@ macro_rules! full {
                 rules(3, 3, self.num_rooms_visited)
             }
 
-            fn generate(&self, draft: &mut Draft<'_>) -> Making {
+            fn generate(&self, draft: &mut Draft<'_>) -> Generated {
                 let mut rooms = Rooms::new(draft, ROOM_SIZE, 3, 3)?;
                 let colors = rooms.draft.subset(&Color::SORTED, Color::SORTED.len())?;
                 let quarters = self.num_quarters as usize;

@@ -14,7 +14,7 @@
 use super::ids;
 use crate::level::{Level, Rules, level};
 use crate::rooms::KINDS;
-use crate::{Cell, Draft, Making, Pos, State};
+use crate::{Cell, Draft, Generated, Pos, State};
 
 /// Columns and rows of the grid, walls included.
 const SIZE: u32 = 19;
@@ -30,7 +30,7 @@ impl Level for Playground {
         Ok(Rules::new(SIZE, SIZE, 100, ""))
     }
 
-    fn generate(&self, draft: &mut Draft<'_>) -> Making {
+    fn generate(&self, draft: &mut Draft<'_>) -> Generated {
         draft.world.grid.surround();
         let (room_w, room_h) = (draft.width() / 3, draft.height() / 3);
         for (j, i) in (0..3).flat_map(|j| (0..3).map(move |i| (j, i))) {

@@ -18,7 +18,7 @@ use gym_core::{Generator, Outcome};
 use super::{describe, distinct_objects, ids, is_alike, names};
 use crate::level::{Level, Rules, level};
 use crate::rooms::KINDS;
-use crate::{Action, Color, Draft, Making, World};
+use crate::{Action, Color, Draft, Generated, World};
 
 level! {
     /// Arguments.
@@ -43,7 +43,7 @@ impl Level for PutNear {
         rules.missions("put the {} {} near the {} {}", words)
     }
 
-    fn generate(&self, draft: &mut Draft<'_>) -> Making {
+    fn generate(&self, draft: &mut Draft<'_>) -> Generated {
         draft.world.grid.surround();
         let objects = distinct_objects(draft, self.numObjs, |objects, pos| {
             !objects.iter().any(|(_, other)| pos.is_near(*other))

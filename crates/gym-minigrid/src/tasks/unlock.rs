@@ -16,7 +16,7 @@ use gym_core::{Generator, Outcome};
 use super::{ids, square};
 use crate::level::{Level, Rules, level};
 use crate::rooms::{Rooms, grid_size};
-use crate::{Action, Draft, Kind, Making, State, World};
+use crate::{Action, Draft, Generated, Kind, State, World};
 
 /// Columns and rows of a room, walls included.
 const ROOM_SIZE: u32 = 6;
@@ -37,7 +37,7 @@ impl Level for Unlock {
         ))
     }
 
-    fn generate(&self, draft: &mut Draft<'_>) -> Making {
+    fn generate(&self, draft: &mut Draft<'_>) -> Generated {
         let mut rooms = Rooms::new(draft, ROOM_SIZE, 2, 1)?;
         let (door, pos) = rooms.add_door(0, 0, Some(0), None, Some(true))?;
         rooms.add_object(0, 0, Some(Kind::Key), Some(door.color()))?;

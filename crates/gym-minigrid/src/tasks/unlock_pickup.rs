@@ -16,7 +16,7 @@ use gym_core::{Generator, Outcome};
 use super::{describe, ids, pick_up, square};
 use crate::level::{Level, Rules, level};
 use crate::rooms::{Rooms, grid_size};
-use crate::{Action, Cell, Color, Draft, Kind, Making, World};
+use crate::{Action, Cell, Color, Draft, Generated, Kind, World};
 
 /// Columns and rows of a room, walls included.
 pub(super) const ROOM_SIZE: u32 = 6;
@@ -27,7 +27,7 @@ pub(crate) fn add_locked_box(
     rooms: &mut Rooms<'_, '_>,
     blocked: bool,
     distractors: u32,
-) -> Making<Cell> {
+) -> Generated<Cell> {
     let target = rooms.add_object(1, 0, Some(Kind::Box), None)?;
     let (door, pos) = rooms.add_door(0, 0, Some(0), None, Some(true))?;
     if blocked {
@@ -52,7 +52,7 @@ impl Level for UnlockPickup {
         rules.missions("pick up the {} box", [Color::names()])
     }
 
-    fn generate(&self, draft: &mut Draft<'_>) -> Making {
+    fn generate(&self, draft: &mut Draft<'_>) -> Generated {
         let mut rooms = Rooms::new(draft, ROOM_SIZE, 2, 1)?;
         let target = add_locked_box(&mut rooms, false, 0)?;
         draft.mission(format!("pick up the {}", describe(target)));

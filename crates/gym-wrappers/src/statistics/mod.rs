@@ -46,13 +46,13 @@ pub struct RunningMeanStd {
 
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 enum Moments {
-    F32(Of<f32>),
-    F64(Of<f64>),
+    F32(MeanAndVariance<f32>),
+    F64(MeanAndVariance<f64>),
 }
 
 /// The mean and variance of each number.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-struct Of<T> {
+struct MeanAndVariance<T> {
     mean: Vec<T>,
     var: Vec<T>,
 }
@@ -114,7 +114,7 @@ impl RunningMeanStd {
     /// The statistics of `len` numbers before the first row: mean 0, variance 1, and a weight close
     /// to 0.
     pub fn new(len: usize) -> Self {
-        let moments = Moments::F32(Of {
+        let moments = Moments::F32(MeanAndVariance {
             mean: vec![0.0; len],
             var: vec![1.0; len],
         });
@@ -126,7 +126,7 @@ impl RunningMeanStd {
 
     /// As [`new`](Self::new), in `float64` from the start.
     pub fn new_f64(len: usize) -> Self {
-        let moments = Moments::F64(Of {
+        let moments = Moments::F64(MeanAndVariance {
             mean: vec![0.0; len],
             var: vec![1.0; len],
         });
@@ -144,11 +144,11 @@ impl RunningMeanStd {
     /// or a count that is not above 0.
     pub fn from_moments(mean: &Array, variance: &Array, count: f64) -> Result<Self> {
         let moments = match (mean.data(), variance.data()) {
-            (Data::F32(mean), Data::F32(var)) => Moments::F32(Of {
+            (Data::F32(mean), Data::F32(var)) => Moments::F32(MeanAndVariance {
                 mean: mean.clone(),
                 var: var.clone(),
             }),
-            (Data::F64(mean), Data::F64(var)) => Moments::F64(Of {
+            (Data::F64(mean), Data::F64(var)) => Moments::F64(MeanAndVariance {
                 mean: mean.clone(),
                 var: var.clone(),
             }),
@@ -265,7 +265,7 @@ impl RunningMeanStd {
                     .collect();
                 let [mean, var] =
                     [&of.mean, &of.var].map(|numbers| numbers.iter().map(|x| f64::from(*x)));
-                let mut of = Of {
+                let mut of = MeanAndVariance {
                     mean: mean.collect(),
                     var: var.collect(),
                 };
@@ -285,7 +285,7 @@ impl RunningMeanStd {
         out: &mut [f32],
     ) {
         match &self.moments {
-            Moments::F32(Of { mean, var }) => {
+            Moments::F32(MeanAndVariance { mean, var }) => {
                 for (((mean, var), x), out) in mean.iter().zip(var).zip(values).zip(out) {
                     let std = (var + epsilon as f32).sqrt();
                     *out = match dtype {
@@ -294,7 +294,7 @@ impl RunningMeanStd {
                     };
                 }
             }
-            Moments::F64(Of { mean, var }) => {
+            Moments::F64(MeanAndVariance { mean, var }) => {
                 for (((mean, var), x), out) in mean.iter().zip(var).zip(values).zip(out) {
                     *out = ((x - mean) / (var + epsilon).sqrt()) as f32;
                 }
@@ -303,7 +303,7 @@ impl RunningMeanStd {
     }
 }
 
-impl<T: Real> Of<T> {
+impl<T: Real> MeanAndVariance<T> {
     /// Merges the moments of a batch of `n` rows with those of `count` rows, for each number.
     fn update(&mut self, count: f64, batches: impl Iterator<Item = Batch<T>>, n: usize) {
         if n == 0 {

@@ -4,9 +4,9 @@ use fearless_simd::Simd;
 
 use super::body::Body;
 use super::motion::Velocity;
-use super::wide::{Chunk, Pair, Wide, rows};
+use super::wide::{Chunk, Pair, Wide, per_world};
 
-rows! {
+per_world! {
     /// A body, in all lanes.
     struct BodyRows { inv_mass, inv_inertia, v_x, v_y, w }
 }

@@ -14,9 +14,9 @@ pub(crate) const LANES: usize = 32;
 /// The value of one variable in every world, one world per lane.
 #[derive(Clone, Copy, Debug)]
 #[repr(align(64))]
-pub(super) struct Row(pub(super) [f32; LANES]);
+pub(super) struct PerWorld(pub(super) [f32; LANES]);
 
-impl Row {
+impl PerWorld {
     pub(super) const ZERO: Self = Self([0.0; LANES]);
 
     /// Copies lane 0 to the lanes from `len` on.
@@ -48,7 +48,7 @@ impl<S: Simd, const R: usize> Chunk<S, R> {
     }
 
     #[inline(always)]
-    pub(super) fn load(self, row: &Row) -> Wide<S, R> {
+    pub(super) fn load(self, row: &PerWorld) -> Wide<S, R> {
         let mut wide = self.same(0.0);
         for i in 0..R {
             let at = self.at + i * S::f32s::LEN;
@@ -58,7 +58,7 @@ impl<S: Simd, const R: usize> Chunk<S, R> {
     }
 
     #[inline(always)]
-    pub(super) fn pair(self, x: &Row, y: &Row) -> Pair<S, R> {
+    pub(super) fn pair(self, x: &PerWorld, y: &PerWorld) -> Pair<S, R> {
         Pair {
             x: self.load(x),
             y: self.load(y),
@@ -66,7 +66,7 @@ impl<S: Simd, const R: usize> Chunk<S, R> {
     }
 
     #[inline(always)]
-    pub(super) fn store(self, row: &mut Row, wide: Wide<S, R>) {
+    pub(super) fn store(self, row: &mut PerWorld, wide: Wide<S, R>) {
         for i in 0..R {
             let at = self.at + i * S::f32s::LEN;
             wide.0[i].store_slice(&mut row.0[at..at + S::f32s::LEN]);
@@ -287,18 +287,18 @@ impl<S: Simd, const R: usize> Neg for Pair<S, R> {
     }
 }
 
-/// Declares a struct of [`Row`]s and the methods that all of them need.
-macro_rules! rows {
+/// Declares a struct of [`PerWorld`]s and the methods that all of them need.
+macro_rules! per_world {
     ($(#[$doc:meta])* struct $name:ident { $($field:ident),+ $(,)? }) => {
         $(#[$doc])*
         #[derive(Clone, Debug)]
         pub(in crate::physics::box2d) struct $name {
-            $($field: $crate::physics::box2d::wide::Row,)+
+            $($field: $crate::physics::box2d::wide::PerWorld,)+
         }
 
         impl $name {
             pub(in crate::physics::box2d) const ZERO: Self =
-                Self { $($field: $crate::physics::box2d::wide::Row::ZERO,)+ };
+                Self { $($field: $crate::physics::box2d::wide::PerWorld::ZERO,)+ };
 
             /// Copies lane 0 to the lanes from `len` on.
             pub(in crate::physics::box2d) fn pad(&mut self, len: usize) {
@@ -307,4 +307,4 @@ macro_rules! rows {
         }
     };
 }
-pub(super) use rows;
+pub(super) use per_world;

@@ -9,9 +9,9 @@ use fearless_simd::Simd;
 
 use super::{Constraint, Velocity, cross_scalar};
 use crate::physics::box2d::lane_bodies::Bodies;
-use crate::physics::box2d::wide::{Chunk, Mask, Pair, Row, Wide, rows};
+use crate::physics::box2d::wide::{Chunk, Mask, Pair, PerWorld, Wide, per_world};
 
-rows! {
+per_world! {
     /// A contact point. `static_x`, `static_y`: the static body's term `0 × lever arm`.
     struct PointRows {
         r_x, r_y, static_x, static_y,
@@ -19,7 +19,7 @@ rows! {
     }
 }
 
-rows! {
+per_world! {
     /// The data that both points share.
     struct ContactRows {
         count, // number of points; 0 in the lane of a world without this contact
@@ -175,14 +175,14 @@ impl WideContact {
 }
 
 #[inline(always)]
-fn pair<S: Simd, const R: usize>(chunk: Chunk<S, R>, x: &Row, y: &Row) -> Pair<S, R> {
+fn pair<S: Simd, const R: usize>(chunk: Chunk<S, R>, x: &PerWorld, y: &PerWorld) -> Pair<S, R> {
     Pair {
         x: chunk.load(x),
         y: chunk.load(y),
     }
 }
 
-impl Row {
+impl PerWorld {
     /// Sets the lanes in `mask` to `x`.
     #[inline(always)]
     fn set<S: Simd, const R: usize>(

@@ -5,9 +5,9 @@ use fearless_simd::Simd;
 
 use super::{Constraint, LimitState};
 use crate::physics::box2d::lane_bodies::Bodies;
-use crate::physics::box2d::wide::{Chunk, Mask, Pair, Wide, rows};
+use crate::physics::box2d::wide::{Chunk, Mask, Pair, Wide, per_world};
 
-rows! {
+per_world! {
     /// One joint, in all lanes.
     struct WideJoint {
         r_ax, r_ay, r_bx, r_by,

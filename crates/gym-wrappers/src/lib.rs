@@ -15,9 +15,20 @@
 //! The traits [`Wrap`] and [`VectorWrap`] make methods of them. Each is registered under
 //! Gymnasium's name, with Gymnasium's names of the arguments, so that specs rebuild stacks of them.
 //!
-//! Wrappers without state are [maps](map) of observations, actions or rewards, and wrap
-//! environments and vectors; implement one of the three traits for your own. The wrappers
-//! that `make` adds, such as `TimeLimit`, are in [`gym_core::wrappers`] and re-exported here.
+//! The wrappers that `make` adds, such as `TimeLimit`, are in [`gym_core::wrappers`] and
+//! re-exported here.
+//!
+//! # Which trait for a wrapper of your own
+//!
+//! | the wrapper | implement | around an environment | around a vector |
+//! |---|---|---|---|
+//! | computes each observation from the inner one alone | [`map::ObservationMap`] | [`map::MapObservation`] | the same |
+//! | computes the inner action from each action alone | [`map::ActionMap`] | [`map::MapAction`] | the same |
+//! | computes each reward from the inner one alone | [`map::RewardMap`] | [`map::MapReward`] | the same |
+//! | makes observations with a state of its own, such as a stack of frames | [`observing::Observer`]; [`observing::VectorObserver`] for vectors too | [`observing::Observing`] | the same |
+//! | anything else: the ends of an episode, repeated steps, statistics | [`Wrapper`](gym_core::Wrapper) | the type itself | |
+//! | anything else, around a vector | [`VectorWrapper`](gym_core::VectorWrapper) | | the type itself |
+//! | a closure, without a name in specs | nothing | [`TransformObservation`], [`TransformAction`], [`TransformReward`] | the same, for batches |
 
 pub mod add_render_observation;
 mod affine;

@@ -15,9 +15,29 @@
 //! platform's own functions. A CPU without FMA emulates it, with equal results; [`level`] tells how to
 //! see that on any CPU.
 //!
-//! Every function that is called inside [`with`] or [`widest`] must be `#[inline(always)]`:
-//! otherwise it is compiled without FMA. A test that counts the instructions of a step detects
-//! this.
+//! # Why so many functions are `#[inline(always)]`
+//!
+//! [`with`] and [`widest`] call a function that is compiled for the CPU's level, and a CPU's
+//! instructions are a property of a *function*. Code that is inlined into that function may use
+//! them; a function that is called from there was compiled for the oldest CPU, and is slow: without
+//! FMA, and with every SIMD operation a call. The compiler's own heuristics decide otherwise from
+//! version to version, so every function that is called inside `with`, `widest` or
+//! `Simd::vectorize` is `#[inline(always)]`, closures included, down to the single operation.
+//! Results do not depend on it; a test that counts the instructions of a step finds a function that
+//! was forgotten. A function that ten places call, and that would be copied to each of them, is the
+//! exception: it is `#[inline(never)]`, and calls `vectorize` itself if it needs those instructions.
+//!
+//! Rust takes an attribute on a closure where the closure is an element of a list, such as an
+//! argument, but not after `let f =`. A closure that is called twice is therefore the element of a
+//! tuple of one:
+//!
+//! ```
+//! let (square,) = (
+//!     #[inline(always)]
+//!     |x: f64| x * x,
+//! );
+//! assert_eq!(square(2.0) + square(3.0), 13.0);
+//! ```
 
 mod arc;
 mod exp;

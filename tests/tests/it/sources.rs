@@ -12,48 +12,12 @@ const EXCEPTIONS: &[(&str, &str)] = &[
         "a table: a row for each game",
     ),
     (
-        "crates/gym-atari/tests/it/programs.rs",
-        "programs as bytes, each with the test that runs it",
-    ),
-    (
-        "crates/gym-box2d/src/physics/box2d/tests.rs",
-        "unit tests of the whole engine, which share their worlds",
-    ),
-    (
         "crates/gym-bridge/src/worker.py",
         "Python gets the worker as one text",
     ),
     (
-        "crates/gym-bridge/tests/bridge.rs",
-        "tests that share the environments in Python",
-    ),
-    (
-        "crates/gym-classic/tests/constants.rs",
-        "every constant of five environments as an argument",
-    ),
-    (
         "crates/gym-numerics/src/math/tables.rs",
         "tables that a program wrote",
-    ),
-    (
-        "tests/plugins/broken/src/twists.rs",
-        "a list of faults: an impl for each",
-    ),
-    (
-        "tests/tests/it/native.rs",
-        "a model by hand, and the native vectors that are compared with it",
-    ),
-    (
-        "tests/tests/it/vector.rs",
-        "a model by hand, and the vectors that are compared with it",
-    ),
-    (
-        "tests/tests/it/vector_snapshots.rs",
-        "each kind of vector by the same steps",
-    ),
-    (
-        "tests/tests/it/wrappers_rebuild.rs",
-        "a case for each wrapper",
     ),
 ];
 

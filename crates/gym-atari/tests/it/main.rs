@@ -1,6 +1,7 @@
 //! The crate's public interface, tested in one program that is linked once.
 
 mod cartridges;
+mod chips;
 mod details;
 mod environment;
 mod episodes;

@@ -5,3 +5,4 @@ mod constants;
 mod ends;
 mod instructions;
 mod native;
+mod varied;

@@ -46,24 +46,24 @@ export function gallery(main, engine, environments) {
   }, { rootMargin: "80px" });
 
   function tile(card) {
-    let [environment] = card;
+    const [environment] = card;
     const canvas = h("canvas", { width: TILE, height: TILE * 2 / 3, "aria-hidden": "true" });
-    const title = h("h3", {}, words(environment.name.replace(/^ALE\//, "")), " ", card.length > 1 || environment.version === null ? null : h("span", { class: "version" }, `v${environment.version}`));
+    const name = h("span", {}, words(environment.name.replace(/^ALE\//, "")));
+    const version = card.length > 1 || environment.version === null ? null : h("span", { class: "version" }, `v${environment.version}`);
     const task = h("p", {}, environment.description);
-    const to = h("a", { href: link(environment.id) }, h("div", { class: "tile-picture" }, canvas), title, task);
-    // a card of several names has the title of their page
-    if (card.some(({ name }) => name !== environment.name)) page(environment.id).then((page) => page && title.replaceChildren(...words(titleOf(page.text))));
+    const to = h("a", { href: link(environment.id) }, h("div", { class: "tile-picture" }, canvas), h("h3", {}, name, " ", version), task);
+    page(environment.id).then((page) => page && name.replaceChildren(...words(titleOf(page.text))));
+    let seen = false;
+    let play = live(canvas, environment);
     const menu = card.length > 1 ? choice(card, environment, (chosen) => {
-      environment = chosen;
       to.href = link(chosen.id);
       task.textContent = chosen.description;
-      tiles.get(element)(false);
-      playing.unobserve(element);
-      tiles.set(element, live(canvas, chosen));
-      playing.observe(element);
+      play(false);
+      play = live(canvas, chosen);
+      play(seen);
     }) : null;
     const element = h("li", { class: "tile" }, to, menu);
-    tiles.set(element, live(canvas, environment));
+    tiles.set(element, (isSeen) => play(seen = isSeen));
     playing.observe(element);
     return element;
   }

@@ -1,6 +1,7 @@
 //! Sequential impulses at contacts: friction, then a block solver for the normal impulses of two
 //! points at once (`b2ContactSolver.cpp`).
 
+#[cfg_attr(not(feature = "native-vectors"), allow(dead_code, unused_imports))]
 pub(super) mod lanes;
 
 use super::contact::Contact;

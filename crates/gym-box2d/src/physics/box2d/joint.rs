@@ -1,6 +1,7 @@
 //! The revolute joint: two bodies rotate about a common point, with a motor and angle limits
 //! (`b2RevoluteJoint.cpp`).
 
+#[cfg_attr(not(feature = "native-vectors"), allow(dead_code, unused_imports))]
 pub(super) mod lanes;
 
 use nalgebra::Vector3;

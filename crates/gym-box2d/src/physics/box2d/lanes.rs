@@ -127,6 +127,9 @@ impl Lanes {
         let iterations = step.velocity_iterations;
         let bodies = island.bodies.iter().map(|id| &world.bodies[*id]);
         let dynamic = bodies.clone().take_while(|body| body.dynamic).count();
+        if !cfg!(feature = "native-vectors") {
+            return None;
+        }
         let joints = &island.joint_constraints;
         let alike = self.len == 0
             || (iterations == self.iterations
@@ -199,8 +202,11 @@ impl Lanes {
                 .filter(|contact| !contact.is_none())
                 .for_each(|contact| contact.pad(len));
         }
-        let level = self.level;
-        dispatch!(level, simd => self.solve_all(simd));
+        #[cfg(feature = "native-vectors")]
+        {
+            let level = self.level;
+            dispatch!(level, simd => self.solve_all(simd));
+        }
     }
 
     #[inline(always)]

@@ -30,7 +30,9 @@ mod continuous;
 mod distance;
 pub(super) mod island;
 pub(super) mod joint;
+#[cfg_attr(not(feature = "native-vectors"), allow(dead_code, unused_imports))]
 mod lane_bodies;
+#[cfg_attr(not(feature = "native-vectors"), allow(dead_code, unused_imports))]
 pub(super) mod lanes;
 mod manifold;
 pub(super) mod math;
@@ -44,6 +46,7 @@ mod tests;
 mod time_of_impact;
 mod validate;
 mod velocity_iterations;
+#[cfg_attr(not(feature = "native-vectors"), allow(dead_code, unused_imports))]
 pub(super) mod wide;
 
 use serde::{Deserialize, Serialize};

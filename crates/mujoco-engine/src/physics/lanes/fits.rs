@@ -7,9 +7,9 @@ use crate::Model;
 use crate::model::{Integrator, JointType, Solver};
 
 /// Returns the number of worlds per vector register. Returns `None` if the CPU has no fused
-/// multiply-add or fewer than four numbers per register.
+/// multiply-add or fewer than four numbers per register, or without the feature `lanes`.
 pub(crate) fn width(level: Level) -> Option<usize> {
-    #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
+    #[cfg(all(feature = "lanes", any(target_arch = "x86", target_arch = "x86_64")))]
     {
         if level.as_avx512().is_some() {
             return Some(8);

@@ -170,7 +170,7 @@ impl Batch {
     /// Advances the first `len` worlds, which were [gathered](Self::gather), by `steps` timesteps.
     /// Returns false if [`width`](fits::width) is `None` for `level`.
     pub(crate) fn step(&mut self, m: &Model, level: Level, len: usize, steps: usize) -> bool {
-        #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
+        #[cfg(all(feature = "lanes", any(target_arch = "x86", target_arch = "x86_64")))]
         {
             if let Some(simd) = level.as_avx512() {
                 self.steps(m, simd, len, steps);

@@ -73,7 +73,7 @@ pub fn mjcf() -> Vec<Vec<u8>> {
         <body pos="0 0 0.4" euler="10 20 30"><joint type="slide" limited="true" range="-1 1"/>
         <inertial pos="0 0 0" mass="1" fullinertia="1 1 1 0.1 0 0"/><geom type="capsule" fromto="0 0 0 0.2 0 0" size="0.05"/></body>
         </worldbody><contact><exclude body1="world" body2="world"/></contact></mujoco>"#;
-    let texts = gym::mujoco::tasks::models().map(|(_, text)| text);
+    let texts = gym::mujoco::models().map(|(_, text)| text);
     texts
         .chain([SMALL])
         .map(|text| text.as_bytes().to_vec())

@@ -123,11 +123,11 @@ pub fn mjcf(input: &[u8]) {
     let Ok(text) = std::str::from_utf8(input) else {
         return;
     };
-    let model = match gym::mujoco::Model::from_xml(text) {
+    let model = match gym::sim::engine::Model::from_xml(text) {
         Ok(model) => model,
         Err(error) => {
             let lines = 1 + text.matches('\n').count();
-            let gym::mujoco::Error::Mjcf {
+            let gym::sim::engine::Error::Mjcf {
                 line,
                 element,
                 reason,
@@ -150,9 +150,9 @@ pub fn mjcf(input: &[u8]) {
     if model.nbody() > SMALL || model.ngeom() > SMALL || model.opt.iterations > ITERATIONS {
         return;
     }
-    let mut data = gym::mujoco::Data::new(&model);
+    let mut data = gym::sim::engine::Data::new(&model);
     for _ in 0..STEPS {
-        gym::mujoco::step(&model, &mut data);
+        gym::sim::engine::step(&model, &mut data);
     }
 }
 

@@ -3,7 +3,7 @@
 
 use gym_control as _;
 
-#[path = "../../gym-mujoco/examples/together.rs"]
+#[path = "../../gym-sim/examples/measure/mod.rs"]
 mod measure;
 
 fn main() -> Result<(), gym_core::Error> {

@@ -1,8 +1,8 @@
 //! The arguments that all tasks share.
 
 use gym_core::{DType, Error, Result};
-use gym_mujoco::tasks::Version;
-use gym_mujoco::{Model, Revision};
+use gym_sim::Version;
+use mujoco_engine::{Model, Revision};
 
 /// The largest width and height of a picture.
 const LARGEST: u32 = 16_384;

@@ -13,30 +13,21 @@
 //! # }
 //! ```
 //!
-//! A domain is a file of [`domains`], with its model in `models`: it implements [`Domain`]
-//! and [`Task`], and [`ControlEnv`] makes an environment of it, on the engine of gym-mujoco.
+//! A domain is a file of [`domains`], with its model in `models`: it implements [`Domain`] and
+//! [`SimTask`](gym_sim::SimTask), and [`make()`] makes an environment of it.
 //!
 //! Linking this crate registers the tasks; name it (`use gym_control as _;`) if nothing else of it
 //! is used.
 #![warn(clippy::disallowed_methods)]
-// unit tests register no environment, so that unused code is not compiled into them
-#![cfg_attr(test, allow(dead_code, unused_imports))]
 
 mod arguments;
+mod domain;
 pub mod domains;
-mod env;
-mod observation;
-mod pixels;
+mod look;
 pub mod rewards;
-mod start;
-mod task;
-mod world;
 
 pub use arguments::Common;
-pub use env::{ControlEnv, Of};
-pub use observation::Observation;
-pub use start::Start;
-pub use task::{Domain, Task, register};
+pub use domain::{Domain, Entry, make, register};
 
 gym_core::family!(gym_core::registry::Family::new(
     "DeepMind Control Suite",

@@ -115,5 +115,5 @@ pub fn small_control(controls: &[f64]) -> f64 {
 
 /// Returns the mean of `value` over `items`, summed in numpy's order.
 pub(crate) fn mean<T>(items: &[T], value: impl Fn(&T) -> f64) -> f64 {
-    gym_mujoco::tasks::numpy::sum_of(items.len(), |i| value(&items[i])) / items.len() as f64
+    gym_sim::numpy::sum_of(items.len(), |i| value(&items[i])) / items.len() as f64
 }

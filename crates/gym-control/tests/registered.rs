@@ -339,8 +339,8 @@ fn states_beyond_the_limit_are_refused() {
 /// (JSON has no NaN, so these arguments come from Rust.)
 #[test]
 fn a_start_of_no_numbers_is_refused() {
-    use gym_control::ControlEnv;
     use gym_control::domains::pendulum::{Config, Pendulum};
+    use gym_control::make;
     for (x, fits) in [
         (1e10, true),
         (-1e10, true),
@@ -356,7 +356,7 @@ fn a_start_of_no_numbers_is_refused() {
             } else {
                 config.common.qpos = given;
             }
-            assert_eq!(ControlEnv::new::<Pendulum>(&config).is_ok(), fits, "{x}");
+            assert_eq!(make::<Pendulum>(&config).is_ok(), fits, "{x}");
         }
     }
 }

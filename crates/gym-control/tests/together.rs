@@ -1,13 +1,13 @@
 //! Worlds that step together have the bits of worlds that step one by one.
 
 use fearless_simd::Level;
-use gym_control::ControlEnv;
 use gym_core::vector::lockstep::{Lockstep, Together};
 use gym_core::vector::{Autoreset, Columns, VectorKind};
 use gym_core::{Array, Env, EnvExt, Value, VectorEnvExt, builder, registry};
-use gym_mujoco::Data;
-use gym_mujoco::tasks::Worlds;
 use gym_render as _;
+use gym_sim::SimEnv;
+use gym_sim::Worlds;
+use mujoco_engine::Data;
 
 fn ids() -> impl Iterator<Item = String> {
     let own = registry::all().into_iter();
@@ -72,7 +72,7 @@ fn every_task_has_the_bits_of_worlds_alone() {
         for (mujoco, n) in [("4.0", 13), ("3.12", 8)] {
             let spec = builder(&id).arg("flat", true).arg("mujoco", mujoco);
             let made = spec.build().unwrap();
-            let made = made.layer::<ControlEnv>().expect("a task");
+            let made = made.layer::<SimEnv>().expect("a task");
             for level in levels() {
                 play(made, n, level, &format!("{id} {mujoco} {level:?}"));
             }
@@ -94,7 +94,7 @@ fn worlds_of_most_tasks_step_together() {
     ];
     for id in ids() {
         let made = builder(&id).arg("flat", true).build().unwrap();
-        let made = made.layer::<ControlEnv>().expect("a task");
+        let made = made.layer::<SimEnv>().expect("a task");
         let (mut envs, mut seen) = (vec![made.clone(); 8], Value::default());
         let mut worlds = Worlds::default();
         let action = made.action_sampler(4).unwrap().sample().clone();
@@ -118,7 +118,7 @@ fn worlds_of_most_tasks_step_together() {
     }
 }
 
-fn play(made: &ControlEnv, n: usize, level: Level, what: &str) {
+fn play(made: &SimEnv, n: usize, level: Level, what: &str) {
     let mut worlds = Worlds::new(level);
     let mut envs = vec![made.clone(); n];
     let mut alone = envs.clone();

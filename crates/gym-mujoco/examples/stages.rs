@@ -7,8 +7,9 @@
 use std::time::{Duration, Instant};
 
 use gym_core::{Element, Env, EnvExt, Error, Value};
-use gym_mujoco::physics as p;
-use gym_mujoco::{Data, Model, simulated};
+use gym_sim::SimEnv;
+use mujoco_engine::physics as p;
+use mujoco_engine::{Data, Model};
 
 type Stage = fn(&Model, &mut Data);
 
@@ -53,7 +54,7 @@ fn main() -> Result<(), Error> {
             let start = Instant::now();
             let outcome = env.step_into(&action, &mut observation)?;
             total += start.elapsed();
-            let Some(simulated) = simulated(&env) else {
+            let Some(simulated) = env.layer::<SimEnv>() else {
                 continue;
             };
             let (m, Some(d)) = (&*simulated.simulation().model, simulated.data()) else {

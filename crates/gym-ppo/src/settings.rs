@@ -2,8 +2,8 @@
 
 use anyhow::{Context, Result, ensure};
 use gym::atari::AtariEnv;
-use gym::control::ControlEnv;
 use gym::minigrid::GridEnv;
+use gym::sim::{SimEnv, Stepper};
 use gym::{BoxEnv, Env, EnvExt, Space};
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
@@ -31,7 +31,10 @@ impl Task {
         if env.layer::<GridEnv>().is_some() {
             return Self::Grid;
         }
-        if env.layer::<ControlEnv>().is_some() {
+        if env
+            .layer::<SimEnv>()
+            .is_some_and(|env| env.simulation().stepper() == Stepper::Settled)
+        {
             return Self::Control;
         }
         match env.action_space() {

@@ -4,9 +4,9 @@ use std::sync::{Mutex, MutexGuard, PoisonError, TryLockError};
 
 use gym::atari::AtariEnv;
 use gym::box2d::{CarRacing, ScoreGlyphs};
-use gym::mujoco::simulated_mut;
 use gym::registry::find;
 use gym::render::{RenderMode, Rendered};
+use gym::sim::SimEnv;
 use gym::{
     BoxEnv, Env as _, EnvExt as _, EnvSpec, Error, Inspect, Kwargs, Outcome, Reset, Result, Seed,
     Snapshot, Space, Value,
@@ -432,7 +432,7 @@ impl Env {
     ) -> PyResult<()> {
         let (qpos, qvel) = (qpos.readonly(), qvel.readonly());
         let mut core = self.lock(py)?;
-        match simulated_mut(&mut core.env) {
+        match core.env.layer_mut::<SimEnv>() {
             Some(env) => guard(|| env.set_state(qpos.as_slice()?, qvel.as_slice()?).or_raise()),
             None => Err(Error::custom("this is not a MuJoCo environment")).or_raise(),
         }

@@ -1,8 +1,8 @@
 //! The MuJoCo tasks in Python: the arrays of `mjData`, and the parts of their model.
 
-use gym::BoxEnv;
-use gym::mujoco::tasks::{self, Simulated, Simulation};
-use gym::mujoco::{Data, Revision, simulated};
+use gym::sim::engine::{Data, Revision};
+use gym::sim::{SimEnv, Simulation};
+use gym::{BoxEnv, EnvExt, mujoco};
 use numpy::{PyArray1, PyArray2, PyArrayMethods};
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyTuple};
@@ -10,7 +10,7 @@ use pyo3::types::{PyDict, PyTuple};
 /// The arrays of the state under MuJoCo's names (before the first reset, of the initial state);
 /// `None` for other environments.
 pub(crate) fn data<'py>(py: Python<'py>, env: &BoxEnv) -> PyResult<Option<Bound<'py, PyDict>>> {
-    let Some(env) = simulated(env) else {
+    let Some(env) = env.layer::<SimEnv>() else {
         return Ok(None);
     };
     let initial;
@@ -40,13 +40,13 @@ pub(crate) fn data<'py>(py: Python<'py>, env: &BoxEnv) -> PyResult<Option<Bound<
 /// The names of the built-in models.
 #[pyfunction]
 pub(crate) fn mujoco_models() -> Vec<&'static str> {
-    tasks::models().map(|(name, _)| name).collect()
+    mujoco::models().map(|(name, _)| name).collect()
 }
 
 /// Returns whether the last call of the engine was a step, the state before the call, and the state
 /// after the step. `None` before the first reset, and for other environments.
 pub(crate) fn before<'py>(py: Python<'py>, env: &BoxEnv) -> PyResult<Option<Bound<'py, PyTuple>>> {
-    let Some(data) = simulated(env).and_then(Simulated::data) else {
+    let Some(data) = env.layer::<SimEnv>().and_then(SimEnv::data) else {
         return Ok(None);
     };
     let dict = |arrays: &[(&str, &[f64])]| {
@@ -88,7 +88,7 @@ fn matrix<'py, const N: usize>(
 /// names of bodies, timestep, and the version of MuJoCo with the names of all versions. `None` for
 /// other environments.
 pub(crate) fn model<'py>(py: Python<'py>, env: &BoxEnv) -> PyResult<Option<Bound<'py, PyDict>>> {
-    let Some(env) = simulated(env) else {
+    let Some(env) = env.layer::<SimEnv>() else {
         return Ok(None);
     };
     let Simulation {
@@ -97,7 +97,7 @@ pub(crate) fn model<'py>(py: Python<'py>, env: &BoxEnv) -> PyResult<Option<Bound
         frame_skip,
         ..
     } = env.simulation();
-    let text = tasks::models()
+    let text = mujoco::models()
         .find(|(name, _)| name == xml_file)
         .map(|(_, text)| text);
     let facts = PyDict::new(py);

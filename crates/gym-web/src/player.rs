@@ -261,7 +261,7 @@ impl Player {
     /// Turns the camera by degrees and multiplies its distance, if there is a camera.
     #[cfg(feature = "families")]
     pub(crate) fn turn(&mut self, [azimuth, elevation, zoom]: [f64; 3]) {
-        if let Some(env) = gym::mujoco::simulated_mut(&mut self.env) {
+        if let Some(env) = self.env.layer_mut::<gym::sim::SimEnv>() {
             env.turn_camera(azimuth, elevation, zoom);
         }
     }
@@ -366,7 +366,8 @@ impl Player {
 /// Returns whether the environment has a camera that can be turned.
 #[cfg(feature = "families")]
 fn turns(env: &BoxEnv) -> bool {
-    gym::mujoco::simulated(env).is_some()
+    env.layer::<gym::sim::SimEnv>()
+        .is_some_and(|env| env.simulation().has_free_camera())
 }
 
 #[cfg(not(feature = "families"))]

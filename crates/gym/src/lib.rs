@@ -42,6 +42,8 @@ pub use gym_minigrid as minigrid;
 pub use gym_mujoco as mujoco;
 #[cfg(feature = "policies")]
 pub use gym_policies as policies;
+#[cfg(any(feature = "control", feature = "mujoco"))]
+pub use gym_sim as sim;
 #[cfg(feature = "toytext")]
 pub use gym_toytext as toytext;
 #[cfg(feature = "trace")]

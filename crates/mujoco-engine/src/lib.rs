@@ -16,7 +16,7 @@
 //!         <geom type="capsule" fromto="0 0 0  0.5 0 0" size="0.05"/>
 //!       </body>
 //!     </worldbody>
-//!     <actuator><motor joint="shoulder" gear="10"/></actuator>
+//!     <actuator><motor joint="shoulder" gear="20"/></actuator>
 //!   </mujoco>"#;
 //! let model = Model::from_xml(robot)?;
 //! let mut data = Data::new(&model);

@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use crate::output::say;
-use gym::mujoco::Model;
+use gym::sim::engine::Model;
 use gym::{Error, Result};
 
 #[derive(clap::Args)]

@@ -15,14 +15,15 @@ use std::borrow::Cow;
 use std::f64::consts::PI;
 
 use gym_core::Result;
-use gym_mujoco::tasks::Derived;
-use gym_mujoco::{Data, Model};
+use mujoco_engine::lanes::Derived;
+use mujoco_engine::{Data, Model};
 
 use super::axis::{XZ, ZZ};
 use super::{config, minus, norm};
+use crate::domain::{body, clip, site};
 use crate::rewards::{Sigmoid, Tolerance};
-use crate::task::{body, clip, site};
-use crate::{Domain, Observation, Start, Task, register};
+use crate::{Domain, register};
+use gym_sim::{Observation, SimTask, Start};
 
 config! { 10.0;
     /// Whether the reward is sparse: 1 in the target, otherwise 0.
@@ -59,7 +60,7 @@ impl Domain for Acrobot {
     }
 }
 
-impl Task for Acrobot {
+impl SimTask for Acrobot {
     fn start(&self, start: &mut Start<'_>) -> Result<()> {
         for joint in 0..2 {
             start.data.qpos[joint] = start.uniform(-PI, PI);
@@ -83,7 +84,6 @@ impl Task for Acrobot {
     }
 }
 
-#[cfg(not(test))]
 gym_core::register!(
     register::<Acrobot>(
         "dm_control/acrobot-swingup-v0",

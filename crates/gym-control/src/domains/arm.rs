@@ -3,11 +3,11 @@
 use std::f64::consts::PI;
 
 use gym_core::{Result, math};
-use gym_mujoco::{Data, Model};
+use mujoco_engine::{Data, Model};
 
 use super::{minus, norm};
-use crate::task::{body, joint, named};
-use crate::{Observation, Start};
+use crate::domain::{body, joint, named};
+use gym_sim::{Observation, Start};
 
 /// Returns the text of the model, with the bodies `props`, and the pairs of bodies without contacts
 /// `apart`.

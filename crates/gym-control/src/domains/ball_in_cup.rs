@@ -14,11 +14,12 @@
 use std::borrow::Cow;
 
 use gym_core::Result;
-use gym_mujoco::{Data, Model};
+use mujoco_engine::{Data, Model};
 
 use super::config;
-use crate::task::{body, clip, geom, site};
-use crate::{Domain, Observation, Start, Task, register};
+use crate::domain::{body, clip, geom, site};
+use crate::{Domain, register};
+use gym_sim::{Observation, SimTask, Start};
 
 config! { 20.0; }
 
@@ -53,7 +54,7 @@ impl Domain for BallInCup {
     }
 }
 
-impl Task for BallInCup {
+impl SimTask for BallInCup {
     fn start(&self, start: &mut Start<'_>) -> Result<()> {
         start.draw_apart(|start| {
             start.data.qpos[2] = start.uniform(-0.2, 0.2);
@@ -73,7 +74,6 @@ impl Task for BallInCup {
     }
 }
 
-#[cfg(not(test))]
 gym_core::register!(
     register::<BallInCup>(
         "dm_control/ball_in_cup-catch-v0",

@@ -16,14 +16,15 @@ use std::f64::consts::PI;
 
 use gym_core::keys::json;
 use gym_core::{Error, Keys, Registration, Result};
-use gym_mujoco::tasks::Derived;
-use gym_mujoco::{Data, Model};
+use mujoco_engine::lanes::Derived;
+use mujoco_engine::{Data, Model};
 
 use super::axis::{XZ, ZZ};
 use super::config;
+use crate::domain::clip;
 use crate::rewards::{Sigmoid, Tolerance, mean};
-use crate::task::clip;
-use crate::{Domain, Observation, Start, Task, register};
+use crate::{Domain, register};
+use gym_sim::{Observation, SimTask, Start};
 
 const CENTRED: Tolerance = Tolerance::within(0.0, 0.0).margin(2.0, Sigmoid::Gaussian);
 const GENTLE: Tolerance = Tolerance::within(0.0, 0.0).margin(1.0, Sigmoid::Quadratic(0.0));
@@ -91,7 +92,7 @@ impl Domain for Cartpole {
     }
 }
 
-impl Task for Cartpole {
+impl SimTask for Cartpole {
     fn start(&self, start: &mut Start<'_>) -> Result<()> {
         let Start { data, rng, .. } = start;
         if self.swing_up {
@@ -137,7 +138,6 @@ const fn cartpole(id: &'static str, description: &'static str) -> Registration {
         .keys(|_| Keys::new(json!({"Left": [-1.0], "Right": [1.0]})).idle(json!([0.0])))
 }
 
-#[cfg(not(test))]
 gym_core::register!(
     cartpole(
         "dm_control/cartpole-balance-v0",

@@ -14,13 +14,14 @@
 use std::borrow::Cow;
 
 use gym_core::Result;
-use gym_mujoco::tasks::Derived;
-use gym_mujoco::{Data, Model};
+use mujoco_engine::lanes::Derived;
+use mujoco_engine::{Data, Model};
 
 use super::{check, config};
+use crate::domain::clip;
 use crate::rewards::{Sigmoid, Tolerance};
-use crate::task::clip;
-use crate::{Domain, Observation, Start, Task, register};
+use crate::{Domain, register};
+use gym_sim::{Observation, SimTask, Start};
 
 config! { 10.0;
     /// The speed that is rewarded by 1.
@@ -50,7 +51,7 @@ impl Domain for Cheetah {
     }
 }
 
-impl Task for Cheetah {
+impl SimTask for Cheetah {
     fn start(&self, start: &mut Start<'_>) -> Result<()> {
         for joint in 0..start.model().njnt() {
             if start.model().jnt_limited[joint] {
@@ -77,7 +78,6 @@ impl Task for Cheetah {
     }
 }
 
-#[cfg(not(test))]
 gym_core::register!(
     register::<Cheetah>("dm_control/cheetah-run-v0", "Run on two legs, in a plane.").clip(clip(4))
 );

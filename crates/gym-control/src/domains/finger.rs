@@ -15,11 +15,12 @@ use std::borrow::Cow;
 use std::f64::consts::PI;
 
 use gym_core::{Result, math};
-use gym_mujoco::{Data, Model};
+use mujoco_engine::{Data, Model};
 
 use super::{check, config, minus, norm};
-use crate::task::{TARGET, body, clip, geom, site};
-use crate::{Domain, Observation, Start, Task, register};
+use crate::domain::{TARGET, body, clip, geom, site};
+use crate::{Domain, register};
+use gym_sim::{Observation, SimTask, Start};
 
 const FAST: f64 = -15.0; // rad/s
 
@@ -92,7 +93,7 @@ impl Domain for Finger {
     }
 }
 
-impl Task for Finger {
+impl SimTask for Finger {
     fn start(&self, start: &mut Start<'_>) -> Result<()> {
         if self.turns() {
             let angle = start.uniform(-PI, PI);
@@ -124,7 +125,6 @@ impl Task for Finger {
     }
 }
 
-#[cfg(not(test))]
 gym_core::register!(
     register::<Finger>(
         "dm_control/finger-spin-v0",

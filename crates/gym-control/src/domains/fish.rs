@@ -13,15 +13,16 @@
 
 use std::borrow::Cow;
 
-use gym_core::{RandomState, Result};
-use gym_mujoco::tasks::Derived;
-use gym_mujoco::{Data, Model};
+use gym_core::Result;
+use mujoco_engine::lanes::Derived;
+use mujoco_engine::{Data, Model};
 
 use super::axis::ZZ;
 use super::{config, minus, norm, times};
+use crate::domain::{body, clip, geom};
 use crate::rewards::{Sigmoid, Tolerance};
-use crate::task::{body, clip, geom};
-use crate::{Domain, Observation, Start, Task, register};
+use crate::{Domain, register};
+use gym_sim::{Observation, Rng, SimTask, Start};
 
 const UPRIGHT: Tolerance = Tolerance::within(1.0, 1.0).margin(1.0, Sigmoid::Gaussian);
 /// The indices of the joints after the root in `qpos`. In `qvel`, each index is one lower.
@@ -81,9 +82,9 @@ impl Domain for Fish {
     }
 }
 
-impl Task for Fish {
+impl SimTask for Fish {
     fn start(&self, start: &mut Start<'_>) -> Result<()> {
-        let quat = start.quaternion(RandomState::standard_normal);
+        let quat = start.quaternion(Rng::standard_normal);
         start.data.qpos[3..7].copy_from_slice(&quat);
         for joint in JOINTS {
             start.data.qpos[joint] = start.uniform(-0.2, 0.2);
@@ -118,7 +119,6 @@ impl Task for Fish {
     }
 }
 
-#[cfg(not(test))]
 gym_core::register!(
     register::<Fish>("dm_control/fish-upright-v0", "Keep a fish upright."),
     register::<Fish>("dm_control/fish-swim-v0", "Swim to a target.")

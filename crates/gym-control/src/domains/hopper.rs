@@ -14,13 +14,14 @@
 use std::borrow::Cow;
 
 use gym_core::{Result, math};
-use gym_mujoco::tasks::Derived;
-use gym_mujoco::{Data, Model};
+use mujoco_engine::lanes::Derived;
+use mujoco_engine::{Data, Model};
 
 use super::{check, config};
+use crate::domain::{STANDING, body, clip};
 use crate::rewards::{Sigmoid, Tolerance, small_control};
-use crate::task::{STANDING, body, clip};
-use crate::{Domain, Observation, Start, Task, register};
+use crate::{Domain, register};
+use gym_sim::{Observation, SimTask, Start};
 
 config! { 20.0;
     /// The speed that is rewarded by 1; 0 for standing.
@@ -66,7 +67,7 @@ impl Domain for Hopper {
     }
 }
 
-impl Task for Hopper {
+impl SimTask for Hopper {
     fn start(&self, start: &mut Start<'_>) -> Result<()> {
         start.joints();
         Ok(())
@@ -92,7 +93,6 @@ impl Task for Hopper {
     }
 }
 
-#[cfg(not(test))]
 gym_core::register!(
     register::<Hopper>(
         "dm_control/hopper-stand-v0",

@@ -14,14 +14,15 @@
 use std::borrow::Cow;
 
 use gym_core::Result;
-use gym_mujoco::tasks::Derived;
-use gym_mujoco::{Data, Model};
+use mujoco_engine::lanes::Derived;
+use mujoco_engine::{Data, Model};
 
 use super::axis::{ZX, ZZ};
 use super::{check, config, minus, norm, times};
+use crate::domain::{STANDING, body, clip};
 use crate::rewards::{Sigmoid, Tolerance, mean, small_control};
-use crate::task::{STANDING, body, clip};
-use crate::{Domain, Observation, Start, Task, register};
+use crate::{Domain, register};
+use gym_sim::{Observation, SimTask, Start};
 
 const UPRIGHT: Tolerance = Tolerance::above(0.9).margin(1.9, Sigmoid::Linear(0.0));
 const STILL: Tolerance = Tolerance::within(0.0, 0.0).margin(2.0, Sigmoid::Gaussian);
@@ -81,7 +82,7 @@ impl Domain for Humanoid {
     }
 }
 
-impl Task for Humanoid {
+impl SimTask for Humanoid {
     fn start(&self, start: &mut Start<'_>) -> Result<()> {
         start.draw_apart(Start::joints)
     }
@@ -118,7 +119,6 @@ impl Task for Humanoid {
     }
 }
 
-#[cfg(not(test))]
 gym_core::register!(
     register::<Humanoid>("dm_control/humanoid-stand-v0", "Stand still on two legs.")
         .exceptions(STANDING),

@@ -14,12 +14,13 @@
 use std::borrow::Cow;
 
 use gym_core::{Env, Error, Policy, Result, Space, Value};
-use gym_mujoco::tasks::numpy::{dot, norm};
-use gym_mujoco::{CompiledModel, Data, Model};
+use gym_sim::numpy::{dot, norm};
+use mujoco_engine::{CompiledModel, Data, Model};
 
 use super::{check, config};
-use crate::task::{UNLIMITED, clip};
-use crate::{Domain, Observation, Start, Task, register};
+use crate::domain::{UNLIMITED, clip};
+use crate::{Domain, register};
+use gym_sim::{Observation, SimTask, Start};
 
 const STIFFNESS: [f64; 2] = [15.0, 25.0]; // N/m
 const AT_REST: f64 = 1e-6;
@@ -84,7 +85,7 @@ impl Domain for Lqr {
     }
 }
 
-impl Task for Lqr {
+impl SimTask for Lqr {
     fn start(&self, start: &mut Start<'_>) -> Result<()> {
         if start.seeded || start.constants.is_empty() {
             start.constants.clear();
@@ -138,7 +139,6 @@ const BRAKE: Policy = Policy::rules("pushes against the velocities of the masses
     }))
 });
 
-#[cfg(not(test))]
 gym_core::register!(
     register::<Lqr>(
         "dm_control/lqr-lqr_2_1-v0",

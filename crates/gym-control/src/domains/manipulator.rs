@@ -16,14 +16,15 @@ use std::borrow::Cow;
 use std::f64::consts::PI;
 
 use gym_core::{Result, math};
-use gym_mujoco::{Data, Model};
+use mujoco_engine::{Data, Model};
 
 use super::arm::{self, Arm, distance, pose, turned};
 use super::axis::{XX, ZX};
 use super::config;
+use crate::domain::{body, clip, joint, site};
 use crate::rewards::{Sigmoid, Tolerance};
-use crate::task::{body, clip, joint, site};
-use crate::{Domain, Observation, Start, Task, register};
+use crate::{Domain, register};
+use gym_sim::{Observation, SimTask, Start};
 
 const CLOSE: Tolerance = Tolerance::within(0.0, 0.01).margin(0.02, Sigmoid::Gaussian);
 /// The probabilities that the object starts in the hand, in the target, or elsewhere.
@@ -104,7 +105,7 @@ impl Domain for Manipulator {
     }
 }
 
-impl Task for Manipulator {
+impl SimTask for Manipulator {
     fn start(&self, start: &mut Start<'_>) -> Result<()> {
         let first = start.model().jnt_qposadr[self.joint];
         start.draw_apart(|start| {
@@ -163,7 +164,6 @@ impl Task for Manipulator {
     }
 }
 
-#[cfg(not(test))]
 gym_core::register!(
     register::<Manipulator>(
         "dm_control/manipulator-bring_ball-v0",

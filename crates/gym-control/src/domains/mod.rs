@@ -66,7 +66,7 @@ fn minus<const N: usize>(a: [f64; N], b: [f64; N]) -> [f64; N] {
 
 /// Returns `np.linalg.norm(v)`, as numpy computes it on a CPU with AVX-512.
 fn norm<const N: usize>(v: [f64; N]) -> f64 {
-    gym_mujoco::tasks::numpy::norm(5, &v)
+    gym_sim::numpy::norm(5, &v)
 }
 
 /// Returns the vector `v` times the row-major matrix `m`: numpy's `v.dot(m)`, which uses fused

@@ -16,14 +16,15 @@ use std::f64::consts::PI;
 
 use gym_core::keys::json;
 use gym_core::{Keys, Result};
-use gym_mujoco::tasks::Derived;
-use gym_mujoco::{Data, Model};
+use mujoco_engine::lanes::Derived;
+use mujoco_engine::{Data, Model};
 
 use super::axis::{XZ, ZZ};
 use super::config;
+use crate::domain::{body, clip};
 use crate::rewards::Tolerance;
-use crate::task::{body, clip};
-use crate::{Domain, Observation, Start, Task, register};
+use crate::{Domain, register};
+use gym_sim::{Observation, SimTask, Start};
 
 /// The pole is upright if the cosine of its angle is at least the cosine of 8 degrees.
 const UPRIGHT: Tolerance = Tolerance::within(0.9902680687415704, 1.0);
@@ -51,7 +52,7 @@ impl Domain for Pendulum {
     }
 }
 
-impl Task for Pendulum {
+impl SimTask for Pendulum {
     fn start(&self, start: &mut Start<'_>) -> Result<()> {
         start.data.qpos[0] = start.uniform(-PI, PI);
         Ok(())
@@ -71,7 +72,6 @@ impl Task for Pendulum {
     }
 }
 
-#[cfg(not(test))]
 gym_core::register!(
     register::<Pendulum>(
         "dm_control/pendulum-swingup-v0",

@@ -13,14 +13,15 @@
 
 use std::borrow::Cow;
 
-use gym_core::{RandomState, Result};
-use gym_mujoco::tasks::Derived;
-use gym_mujoco::{CompiledModel, Data, Model};
+use gym_core::Result;
+use mujoco_engine::lanes::Derived;
+use mujoco_engine::{CompiledModel, Data, Model};
 
 use super::{check, config, minus, norm};
+use crate::domain::{clip, geom};
 use crate::rewards::{Sigmoid, Tolerance, small_control};
-use crate::task::{clip, geom};
-use crate::{Domain, Observation, Start, Task, register};
+use crate::{Domain, register};
+use gym_sim::{Observation, Rng, SimTask, Start};
 
 /// Two directions are too similar if the cosine between them exceeds this.
 const PARALLEL: f64 = 0.9;
@@ -43,7 +44,7 @@ pub struct PointMass {
 }
 
 /// Draws a random unit vector.
-fn direction(rng: &mut RandomState) -> [f64; 2] {
+fn direction(rng: &mut Rng) -> [f64; 2] {
     let v = [(); 2].map(|()| rng.standard_normal());
     let length = norm(v);
     v.map(|x| x / length)
@@ -73,7 +74,7 @@ impl Domain for PointMass {
     }
 }
 
-impl Task for PointMass {
+impl SimTask for PointMass {
     fn start(&self, start: &mut Start<'_>) -> Result<()> {
         start.joints();
         if self.randomize_gains {
@@ -124,7 +125,6 @@ fn dot(a: [f64; 2], b: [f64; 2]) -> f64 {
     a[1].mul_add(b[1], a[0] * b[0])
 }
 
-#[cfg(not(test))]
 gym_core::register!(
     register::<PointMass>(
         "dm_control/point_mass-easy-v0",

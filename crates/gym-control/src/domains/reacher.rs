@@ -15,13 +15,14 @@ use std::borrow::Cow;
 use std::f64::consts::PI;
 
 use gym_core::{Result, math};
-use gym_mujoco::tasks::Derived;
-use gym_mujoco::{Data, Model};
+use mujoco_engine::lanes::Derived;
+use mujoco_engine::{Data, Model};
 
 use super::{check, config, norm};
+use crate::domain::{clip, geom};
 use crate::rewards::Tolerance;
-use crate::task::{clip, geom};
-use crate::{Domain, Observation, Start, Task, register};
+use crate::{Domain, register};
+use gym_sim::{Observation, SimTask, Start};
 
 config! { 20.0;
     /// Radius of the target.
@@ -66,7 +67,7 @@ impl Domain for Reacher {
     }
 }
 
-impl Task for Reacher {
+impl SimTask for Reacher {
     fn start(&self, start: &mut Start<'_>) -> Result<()> {
         start.joints();
         let angle = start.uniform(0.0, 2.0 * PI);
@@ -91,7 +92,6 @@ impl Task for Reacher {
     }
 }
 
-#[cfg(not(test))]
 gym_core::register!(
     register::<Reacher>(
         "dm_control/reacher-easy-v0",

@@ -15,13 +15,14 @@ use std::borrow::Cow;
 use std::f64::consts::PI;
 
 use gym_core::{Error, Result};
-use gym_mujoco::{Data, Model};
+use mujoco_engine::{Data, Model};
 
 use super::arm::{self, Arm, distance, pose};
 use super::config;
+use crate::domain::{body, clip, joint, site};
 use crate::rewards::{Sigmoid, Tolerance};
-use crate::task::{body, clip, joint, site};
-use crate::{Domain, Observation, Start, Task, register};
+use crate::{Domain, register};
+use gym_sim::{Observation, SimTask, Start};
 
 /// Half the width of a box.
 const SIZE: f64 = 0.022; // m
@@ -95,11 +96,11 @@ impl Domain for Stacker {
     }
 }
 
-impl Task for Stacker {
+impl SimTask for Stacker {
     fn start(&self, start: &mut Start<'_>) -> Result<()> {
         start.draw_apart(|start| {
             self.arm.start(start);
-            let level = f64::from(2 * start.rng.randint(self.boxes.len() as u32) + 1);
+            let level = f64::from(2 * start.rng.integer(self.boxes.len() as u32) + 1);
             let x = start.uniform(-0.37, 0.37);
             let target = &mut start.data.mocap_pos[0];
             (target[0], target[2]) = (x, SIZE * level);
@@ -141,7 +142,6 @@ impl Task for Stacker {
     }
 }
 
-#[cfg(not(test))]
 gym_core::register!(
     register::<Stacker>(
         "dm_control/stacker-stack_2-v0",

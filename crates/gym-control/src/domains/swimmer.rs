@@ -14,13 +14,14 @@
 use std::borrow::Cow;
 
 use gym_core::{Error, Result};
-use gym_mujoco::tasks::Derived;
-use gym_mujoco::{Data, Model};
+use mujoco_engine::lanes::Derived;
+use mujoco_engine::{Data, Model};
 
 use super::{config, minus, norm, times};
+use crate::domain::{body, clip, geom};
 use crate::rewards::{Sigmoid, Tolerance};
-use crate::task::{body, clip, geom};
-use crate::{Domain, Observation, Start, Task, register};
+use crate::{Domain, register};
+use gym_sim::{Observation, SimTask, Start};
 
 config! { 30.0;
     /// Number of links.
@@ -97,7 +98,7 @@ impl Domain for Swimmer {
     }
 }
 
-impl Task for Swimmer {
+impl SimTask for Swimmer {
     fn start(&self, start: &mut Start<'_>) -> Result<()> {
         start.joints();
         let reach = if start.rng.random() < 0.2 { 0.3 } else { 2.0 };
@@ -130,7 +131,6 @@ impl Task for Swimmer {
     }
 }
 
-#[cfg(not(test))]
 gym_core::register!(
     register::<Swimmer>(
         "dm_control/swimmer-swimmer6-v0",

@@ -14,14 +14,15 @@
 use std::borrow::Cow;
 
 use gym_core::Result;
-use gym_mujoco::tasks::Derived;
-use gym_mujoco::{Data, Model};
+use mujoco_engine::lanes::Derived;
+use mujoco_engine::{Data, Model};
 
 use super::axis::{XX, XZ, ZZ};
 use super::{check, config};
+use crate::domain::{STANDING, body, clip};
 use crate::rewards::{Sigmoid, Tolerance};
-use crate::task::{STANDING, body, clip};
-use crate::{Domain, Observation, Start, Task, register};
+use crate::{Domain, register};
+use gym_sim::{Observation, SimTask, Start};
 
 config! { 25.0;
     /// The speed that is rewarded by 1; 0 for standing.
@@ -65,7 +66,7 @@ impl Domain for Walker {
     }
 }
 
-impl Task for Walker {
+impl SimTask for Walker {
     fn start(&self, start: &mut Start<'_>) -> Result<()> {
         start.joints();
         Ok(())
@@ -93,7 +94,6 @@ impl Task for Walker {
     }
 }
 
-#[cfg(not(test))]
 gym_core::register!(
     register::<Walker>(
         "dm_control/walker-stand-v0",

@@ -10,7 +10,7 @@ use gym_core::RandomState;
 use serde::Deserialize;
 use serde_json::{Map, Value, json};
 
-use crate::{Data, Error, Model, Result, Revision, step};
+use mujoco_engine::{Data, Error, Model, Result, Revision, step};
 
 /// A state in the form of these recordings.
 #[derive(Deserialize)]

@@ -16,8 +16,8 @@ use std::sync::Arc;
 use serde::Deserialize;
 use serde_json::{Map, Value, json};
 
-use crate::model::Solver;
-use crate::{Data, Error, Model, Result, Revision, forward, physics, step, tasks};
+use mujoco_engine::model::Solver;
+use mujoco_engine::{Data, Error, Model, Result, Revision, forward, physics, step};
 
 /// A state in the form of recordings.
 #[derive(Deserialize)]
@@ -103,7 +103,7 @@ fn model(recording: &Map<String, Value>, folder: &Path) -> Result<Arc<Model>> {
         (Some(xml), _) => Model::from_path_with(folder.join(xml), revision).map(Arc::new),
         (None, Some(name)) => {
             let name = name.rsplit('.').next().unwrap_or(name);
-            tasks::load(&format!("{name}.xml"), revision)
+            crate::load(&format!("{name}.xml"), revision)
                 .map_err(|error| Error::Data(format!("the recording's model: {error}")))
         }
         (None, None) => Err(Error::Data(
@@ -176,7 +176,7 @@ fn constraints(m: &Model, d: &Data) -> Value {
     })
 }
 
-fn contact(c: &crate::Contact) -> Value {
+fn contact(c: &mujoco_engine::Contact) -> Value {
     json!({
         "geom": c.geom, "dim": c.dim, "dist": c.dist, "pos": c.pos, "frame": c.frame,
         "includemargin": c.includemargin, "friction": c.friction, "solref": c.solref,

@@ -2,7 +2,7 @@
 //! finite.
 
 use gym_core::{Array, BoxEnv, Env, EnvExt, Space, Value, builder, registry};
-use gym_mujoco::simulated;
+use gym_sim::SimEnv;
 
 /// Returns the newest version of each task.
 fn tasks() -> Vec<String> {
@@ -73,7 +73,8 @@ const PLANS: [Plan; 7] = [
 ];
 
 fn act(plan: Plan, env: &BoxEnv, most: f32, step: usize, random: &mut Random, action: &mut [f32]) {
-    let velocities = simulated(env)
+    let velocities = env
+        .layer::<SimEnv>()
         .and_then(|env| env.data())
         .map(|data| &data.qvel);
     let n = action.len();
@@ -129,7 +130,7 @@ fn adversarial_actions_leave_every_number_finite() {
                 "{}",
                 what()
             );
-            let data = simulated(&env).and_then(|env| env.data()).unwrap();
+            let data = env.layer::<SimEnv>().and_then(|env| env.data()).unwrap();
             let numbers = data
                 .qpos
                 .iter()

@@ -2,7 +2,8 @@
 
 use std::path::{Path, PathBuf};
 
-use gym_mujoco::{Data, Model, Revision, recording, step};
+use gym_mujoco::recording;
+use mujoco_engine::{Data, Model, Revision, step};
 use serde_json::{Map, Value};
 
 use crate::common::same;

@@ -10,5 +10,6 @@ mod recorded;
 mod rewards;
 mod simulation;
 mod tasks;
+mod together;
 mod traces;
 mod vectors;

@@ -4,8 +4,8 @@
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use gym_mujoco::Model;
-use gym_mujoco::tasks::load;
+use gym_mujoco::load;
+use mujoco_engine::Model;
 use serde_json::Value;
 
 use crate::common::same;

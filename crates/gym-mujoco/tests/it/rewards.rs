@@ -2,7 +2,8 @@
 //! from the state.
 
 use gym_core::{BoxEnv, Env, EnvExt, Registration, Value, builder, make, registry};
-use gym_mujoco::{Data, simulated, simulated_mut};
+use gym_sim::SimEnv;
+use mujoco_engine::Data;
 use serde_json::{Value as Json, json};
 
 /// Returns the number `name` of the info.
@@ -13,7 +14,7 @@ fn told(env: &BoxEnv, name: &str) -> f64 {
 }
 
 fn data(env: &BoxEnv) -> &Data {
-    simulated(env)
+    env.layer::<SimEnv>()
         .and_then(|env| env.data())
         .expect("an episode")
 }
@@ -235,7 +236,7 @@ fn a_place_is_not_unhealthy() {
     ];
     let mut env = with("Hopper-v5", &ranges);
     env.reset(3).unwrap();
-    simulated_mut(&mut env)
+    env.layer_mut::<SimEnv>()
         .expect("a task")
         .set_state(&[50.0, 50.0, 0.0, 0.0, 0.0, 0.0], &[0.0; 6])
         .unwrap();
@@ -373,7 +374,7 @@ fn speeds_are_observed_up_to_a_limit() {
         let fast: Vec<f64> = (0..nv)
             .map(|i| if i % 2 == 0 { 25.0 } else { -25.0 })
             .collect();
-        simulated_mut(&mut env)
+        env.layer_mut::<SimEnv>()
             .expect("a task")
             .set_state(&qpos, &fast)
             .unwrap();

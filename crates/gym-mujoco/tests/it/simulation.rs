@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use gym_mujoco::{CompiledModel, Data, Model, forward, physics, step};
+use mujoco_engine::{CompiledModel, Data, Model, forward, physics, step};
 use serde_json::{Value as Json, json};
 
 const MODELS: [&str; 13] = [

@@ -89,7 +89,7 @@ fn each_version_takes_its_own_arguments() {
 #[test]
 fn noise_without_bounds_is_refused() {
     for reset_noise_scale in [f64::INFINITY, f64::NAN] {
-        let config = gym_mujoco::tasks::ant::Config {
+        let config = gym_mujoco::ant::Config {
             reset_noise_scale,
             ..Default::default()
         };
@@ -216,7 +216,8 @@ fn a_snapshot_holds_states_alone() {
         let mut env = make(task.id()).unwrap();
         env.reset(5).unwrap();
         play(&mut env, 1, 12);
-        let model = gym_mujoco::simulated(&env)
+        let model = env
+            .layer::<gym_sim::SimEnv>()
             .map(|env| env.simulation().model.clone())
             .expect("a task");
         let text = serde_json::to_value(env.snapshot().unwrap()).unwrap();
@@ -244,10 +245,11 @@ fn numbers(json: &Json) -> usize {
 
 #[test]
 fn a_state_that_was_set_is_seen_at_once_and_gone_on_from() -> gym_core::Result<()> {
-    use gym_mujoco::{simulated, simulated_mut};
+    use gym_sim::SimEnv;
 
     let mut env = make("Hopper-v5")?;
-    let early = simulated_mut(&mut env)
+    let early = env
+        .layer_mut::<SimEnv>()
         .expect("a Hopper")
         .set_state(&[0.0; 6], &[0.0; 6]);
     let message = "cannot call `set_state` before `reset`: call `env.reset(seed)` first";
@@ -257,12 +259,13 @@ fn a_state_that_was_set_is_seen_at_once_and_gone_on_from() -> gym_core::Result<(
     let action = env.action_sampler(0)?.sample();
     twin.step(&action)?;
     let (qpos, qvel) = {
-        let data = simulated(&twin)
+        let data = twin
+            .layer::<SimEnv>()
             .and_then(|env| env.data())
             .expect("an episode");
         (data.qpos.clone(), data.qvel.clone())
     };
-    let simulated = simulated_mut(&mut env).expect("a Hopper");
+    let simulated = env.layer_mut::<SimEnv>().expect("a Hopper");
     for (qpos, qvel, message) in [
         (
             &qpos[1..],

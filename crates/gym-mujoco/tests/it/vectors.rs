@@ -3,9 +3,9 @@
 use gym_core::registry::{Each, EnvBuilder};
 use gym_core::render::RenderMode;
 use gym_core::vector::{Autoreset, Columns, VectorEnv, VectorEnvExt, VectorKind, VectorReset};
-use gym_core::{BoxEnv, Result, Value, builder, registry};
-use gym_mujoco::simulated;
-use gym_mujoco::tasks::models;
+use gym_core::{BoxEnv, EnvExt, Result, Value, builder, registry};
+use gym_mujoco::models;
+use gym_sim::SimEnv;
 use serde_json::json;
 
 /// Returns the bits of all results of a step.
@@ -215,7 +215,7 @@ fn all_arrays_are_there_when_asked_for() {
             pair.envs[k]
                 .visit_envs(&mut |_, env| {
                     let env = env.downcast_ref::<BoxEnv>().unwrap();
-                    let data = simulated(env).unwrap().data().unwrap().clone();
+                    let data = env.layer::<SimEnv>().unwrap().data().unwrap().clone();
                     let numbers = data.xpos.as_flattened().iter().chain(&data.qfrc_constraint);
                     let numbers = numbers.chain(&data.qacc).chain(&data.efc.force);
                     let numbers = numbers

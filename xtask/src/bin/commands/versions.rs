@@ -4,7 +4,7 @@
 use std::fmt::Write;
 use std::path::Path;
 
-use gym::mujoco::Revision;
+use gym::sim::engine::Revision;
 use gym::{EnvExt, Error, Registration, Result, Value, builder, registry};
 
 use gym_cli::Document;

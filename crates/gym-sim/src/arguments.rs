@@ -1,0 +1,137 @@
+//! The arguments that all tasks share.
+
+use gym_core::{Arguments, Error, Result};
+use serde_json::{Map, Value as Json};
+
+use super::version::Version;
+use crate::view::CameraConfig;
+use mujoco_engine::Revision;
+use mujoco_engine::math::MAXVAL;
+
+/// The largest `reset_noise_scale`. Normal noise of this scale stays within MuJoCo's limit of 1e10.
+const LARGEST_NOISE: f64 = 1e9;
+
+/// The largest number of any argument: with MuJoCo's largest number, products and sums are finite.
+const LARGEST: f64 = 1e100;
+
+/// The largest frame skip. A step with more timesteps would seem to hang.
+const LONGEST_SKIP: usize = 1000;
+
+/// The arguments of a task: a struct of [`gym_core::arguments!`] with [`Common`] flattened.
+pub trait TaskArguments:
+    Arguments + AsRef<Common> + AsMut<Common> + std::fmt::Debug + Send + Sync + 'static
+{
+    /// The default values in a version. Versions that Gymnasium can no longer run default to the
+    /// version of MuJoCo that their recordings have.
+    fn defaults(version: u32) -> Self {
+        let mut config = Self::default();
+        if version < 4 {
+            config.as_mut().mujoco = Revision::V3_12.into();
+        }
+        config
+    }
+
+    /// Checks the sizes of numbers.
+    ///
+    /// # Errors
+    /// [`Error::InvalidArgument`] for a `reset_noise_scale` whose normal numbers may exceed MuJoCo's
+    /// limit, and for a number, such as a weight, that makes rewards infinite.
+    fn check_sizes(&self) -> Result<()> {
+        let arguments = serde_json::to_value(self).unwrap_or_default();
+        // JSON has null for infinity and NaN
+        let scale = arguments.get("reset_noise_scale");
+        let scale = scale.map(|scale| scale.as_f64().unwrap_or(f64::INFINITY));
+        if let Some(scale) = scale.filter(|scale| scale.abs() > LARGEST_NOISE) {
+            let reason = format!(
+                "{scale:e} is not within ±{LARGEST_NOISE:e}: MuJoCo's numbers lie within ±{MAXVAL:e}"
+            );
+            return Err(Error::argument("reset_noise_scale", reason));
+        }
+        let numbers = arguments.as_object().into_iter().flatten();
+        for (name, number) in numbers.filter_map(|(name, x)| Some((name, x.as_f64()?))) {
+            if number.abs() > LARGEST {
+                let reason =
+                    format!("{number:e} is not within ±{LARGEST:e}: rewards would not be finite");
+                return Err(Error::argument(name.as_str(), reason));
+            }
+        }
+        Ok(())
+    }
+}
+
+gym_core::arguments! {
+    /// The arguments that all tasks share. `xml_file`, `frame_skip` and `default_camera_config`
+    /// have other values in each task.
+    pub struct Common {
+        /// The version of MuJoCo whose numbers the episodes have, to the last bit: `"4.0"`, or
+        /// `"3.12"`, which 3.11 and 3.13 equal.
+        pub mujoco: Version = Version(Revision::V4_0),
+        /// The model: the name of a built-in one, such as `"ant.xml"`, or a path that begins with
+        /// `.`, `/` or `~`.
+        #[versions = 5..]
+        pub xml_file: String,
+        /// The number of the model's timesteps per step.
+        #[versions = 5..]
+        pub frame_skip: usize = 1,
+        /// The camera's position, if not that of the task.
+        #[versions = 5..]
+        pub default_camera_config: CameraConfig,
+        /// Width of the picture.
+        #[unit = "px"]
+        #[versions = 4..]
+        pub width: u32 = 480,
+        /// Height of the picture.
+        #[unit = "px"]
+        #[versions = 4..]
+        pub height: u32 = 480,
+        /// The model's camera to use, by number; -1 is the free camera.
+        #[versions = 4..]
+        pub camera_id: Option<i32>,
+        /// The model's camera to use, by name.
+        #[versions = 4..]
+        pub camera_name: Option<String>,
+        /// The largest number of geoms that are drawn.
+        #[versions = 4..]
+        pub max_geom: usize = 1000,
+        /// Flags of MuJoCo's viewer, by number. They have no effect.
+        #[versions = 4..]
+        pub visual_options: Option<Map<String, Json>>,
+    }
+}
+
+impl Common {
+    /// The default values of a task's model, frame skip and camera.
+    #[must_use]
+    pub fn new(xml_file: &str, frame_skip: usize, camera: CameraConfig) -> Self {
+        Self {
+            xml_file: xml_file.to_owned(),
+            frame_skip,
+            default_camera_config: camera,
+            ..Self::default()
+        }
+    }
+
+    pub(crate) fn check(&self) -> Result<()> {
+        if !(1..=LONGEST_SKIP).contains(&self.frame_skip) {
+            let reason = format!("{} is not from 1 to {LONGEST_SKIP}", self.frame_skip);
+            return Err(Error::argument("frame_skip", reason));
+        }
+        if self.width == 0 || self.height == 0 || self.width > 16_384 || self.height > 16_384 {
+            let reason = "must lie between 1 and 16384 pixels";
+            return Err(Error::argument("width and height", reason));
+        }
+        if self.camera_id.is_some() && self.camera_name.is_some() {
+            let reason = "does not go with camera_name: give one of them";
+            return Err(Error::argument("camera_id", reason));
+        }
+        if let Some(options) = &self.visual_options
+            && let Some((flag, value)) = options
+                .iter()
+                .find(|(flag, value)| flag.parse::<u32>().is_err() || !value.is_boolean())
+        {
+            let reason = format!("{flag}: {value} is not a flag's number with true or false");
+            return Err(Error::argument("visual_options", reason));
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,550 @@
+//! The environment of a task.
+
+use std::sync::{Arc, OnceLock};
+
+use gym_core::canvas::Canvas;
+use gym_core::render::Metadata;
+use gym_core::spaces::BoxSpace;
+use gym_core::vector::lockstep::Lockstep;
+use gym_core::{
+    Array, DType, Env, Error, Generator, Inspect, Outcome, RandomState, Reset, Result, Seed,
+    Snapshot, Space, Value,
+};
+use mujoco_engine::lanes::Derived;
+use mujoco_engine::math::MAXVAL;
+use mujoco_engine::{Data, Model};
+use serde::Serialize;
+use serde_json::{Value as Json, json};
+
+use crate::episode::Episode;
+use crate::observation::{Layout, Observation};
+use crate::pixels::Pixels;
+use crate::rng::Rng;
+use crate::simulation::{Simulation, Stepper};
+use crate::start::Start;
+use crate::task::SimTask;
+use crate::together::{Member, Worlds};
+
+/// What an environment has beside its task and its simulation.
+#[derive(Clone, Debug)]
+#[non_exhaustive]
+pub struct Settings {
+    /// The environment's name, in snapshots and in the names of wrappers around it.
+    pub name: &'static str,
+    /// The arguments, as JSON. A snapshot must have the same.
+    pub arguments: Json,
+    /// The version of the rules, which a snapshot must have too; `None` for tasks of one version.
+    pub version: Option<u32>,
+    /// The action space. By default, the ranges of the controls, in single precision.
+    pub action_space: Option<Space>,
+    /// Whether the observation is one vector, with the parts one after the other, instead of a
+    /// dict.
+    pub flat: bool,
+    /// The type of the observation's numbers: double or single precision.
+    pub dtype: DType,
+    /// Width and height of a picture that is observed instead of numbers.
+    pub pixels: Option<u32>,
+    /// Width and height of rendered pictures.
+    pub size: (u32, u32),
+    /// Whether pictures have depths.
+    pub depth: bool,
+    /// The number of steps of an episode, which can be fractional or infinite.
+    pub limit: f64,
+    /// Whether starts are drawn from numpy's `RandomState`, as in dm_control.
+    pub random_state: bool,
+    /// Positions and velocities at the start, instead of those that the task sets.
+    pub start: [Option<Vec<f64>>; 2],
+    /// A model for pictures whose colours show a reward.
+    pub coloured: Option<fn(&Model, f64) -> Model>,
+}
+
+impl Settings {
+    /// Settings of Gymnasium's kind: a flat observation of doubles, no limit.
+    #[must_use]
+    pub fn new(name: &'static str, arguments: &impl Serialize) -> Self {
+        Self {
+            name,
+            arguments: serde_json::to_value(arguments).unwrap_or_default(),
+            version: None,
+            action_space: None,
+            flat: true,
+            dtype: DType::F64,
+            pixels: None,
+            size: (480, 480),
+            depth: true,
+            limit: f64::INFINITY,
+            random_state: false,
+            start: [None, None],
+            coloured: None,
+        }
+    }
+
+    /// What a snapshot must have.
+    fn config(&self) -> Json {
+        match self.version {
+            Some(version) => json!([version, self.arguments]),
+            None => self.arguments.clone(),
+        }
+    }
+
+    /// The name of the version of MuJoCo in what a snapshot has.
+    fn mujoco(&self, config: &Json) -> Option<String> {
+        let arguments = match self.version {
+            Some(_) => &config[1],
+            None => config,
+        };
+        arguments["mujoco"].as_str().map(str::to_owned)
+    }
+}
+
+/// The environment of a task.
+///
+/// A state that diverges goes on from MuJoCo's reset of the simulation, as in Gymnasium.
+#[derive(Clone, Debug)]
+pub struct SimEnv {
+    settings: Arc<Settings>,
+    task: Arc<dyn SimTask>,
+    simulation: Simulation,
+    observation_space: Space,
+    action_space: Space,
+    layout: Layout,
+    seen: Observation,
+    pixels: Option<Pixels>,
+    episode: Option<Box<Episode>>,
+    /// A copy of the data with current derived arrays, computed on request if the episode's arrays
+    /// are older than its state.
+    resumed: OnceLock<Box<Data>>,
+    /// The step of this environment in a group, while several environments step together.
+    member: Option<Member>,
+}
+
+impl SimEnv {
+    /// Makes the environment of a task.
+    ///
+    /// # Errors
+    /// [`Error::InvalidArgument`] for settings out of range, and for ranges of controls that no
+    /// space can have.
+    pub fn new(
+        task: Arc<dyn SimTask>,
+        mut simulation: Simulation,
+        settings: Settings,
+    ) -> Result<Self> {
+        let model = Arc::clone(&simulation.model);
+        let reads = task.reads(&model);
+        // an image needs all frames
+        if let Some(reads) = reads.filter(|_| settings.pixels.is_none()) {
+            simulation.read(&reads);
+        }
+        let mut data = Data::new(&model);
+        simulation.settle(&mut data);
+        let mut seen = Observation::default();
+        task.observe(&model, &data, &mut seen);
+        let layout = seen.layout();
+        let pixels = settings.pixels.map(Pixels::new).transpose()?;
+        let observation_space = match &pixels {
+            Some(pixels) => pixels.space()?,
+            None => layout.space(settings.flat, settings.dtype)?,
+        };
+        let action_space = match &settings.action_space {
+            Some(space) => space.clone(),
+            None => {
+                let bounds = |side: usize| -> Vec<f32> {
+                    let ranges = model.actuator_ctrlrange.iter();
+                    ranges.map(|range| range[side] as f32).collect()
+                };
+                BoxSpace::new(bounds(0), bounds(1))?.into()
+            }
+        };
+        Ok(Self {
+            settings: Arc::new(settings),
+            task,
+            simulation,
+            observation_space,
+            action_space,
+            layout,
+            seen,
+            pixels,
+            episode: None,
+            resumed: OnceLock::new(),
+            member: None,
+        })
+    }
+
+    /// The name of the environment: [`Settings::name`].
+    #[must_use]
+    pub fn name(&self) -> &'static str {
+        self.settings.name
+    }
+
+    /// The model, and how it is stepped.
+    #[must_use]
+    pub fn simulation(&self) -> &Simulation {
+        &self.simulation
+    }
+
+    /// The state of the model, with current derived arrays; `None` before the first reset.
+    pub fn data(&self) -> Option<&Data> {
+        let data = &self.episode.as_ref()?.data;
+        if !data.is_behind() {
+            return Some(data);
+        }
+        Some(self.resumed.get_or_init(|| {
+            let mut data = data.clone();
+            self.simulation.resume(&mut data);
+            Box::new(data)
+        }))
+    }
+
+    /// Whether the last step was computed together with other worlds: see [`Data::is_behind`].
+    pub fn is_behind(&self) -> bool {
+        let episode = self.episode.as_ref();
+        episode.is_some_and(|episode| episode.data.is_behind())
+    }
+
+    /// Continues the episode from other positions and velocities (nq and nv numbers): Gymnasium's
+    /// `MujocoEnv.set_state`.
+    ///
+    /// # Errors
+    /// [`Error::ResetNeeded`] before the first reset; [`Error::InvalidArgument`] for another number
+    /// of positions or velocities than the model has, and for one outside ±1e10, where MuJoCo
+    /// resets a simulation. On error, nothing changes.
+    pub fn set_state(&mut self, qpos: &[f64], qvel: &[f64]) -> Result<()> {
+        let Some(episode) = &mut self.episode else {
+            return Err(Error::ResetNeeded("set_state"));
+        };
+        let model = &self.simulation.model;
+        for (name, numbers, needed) in [("qpos", qpos, model.nq()), ("qvel", qvel, model.nv())] {
+            if numbers.len() != needed {
+                let reason = format!("the model has {needed} numbers, not {}", numbers.len());
+                return Err(Error::argument(name, reason));
+            }
+            if let Some(x) = numbers.iter().find(|x| x.is_nan() || x.abs() > MAXVAL) {
+                let reason = format!("{x} is not within ±{MAXVAL:e}");
+                return Err(Error::argument(name, reason));
+            }
+        }
+        self.resumed.take();
+        episode.data.qpos.copy_from_slice(qpos);
+        episode.data.qvel.copy_from_slice(qvel);
+        self.simulation.settle(&mut episode.data);
+        Ok(())
+    }
+
+    /// Turns the free camera around the point that it looks at, by degrees, and multiplies its
+    /// distance by `zoom`, within bounds. Only frames change. Cameras of the model are unchanged.
+    pub fn turn_camera(&mut self, azimuth: f64, elevation: f64, zoom: f64) {
+        self.simulation.view.turn(azimuth, elevation, zoom);
+    }
+
+    /// Whether derived arrays are those of the new state after a step.
+    fn settles(&self) -> bool {
+        self.simulation.stepper() == Stepper::Settled
+    }
+
+    /// Returns the generator of a new episode, and whether the reset seeded it.
+    fn seeded(&self, reset: &Reset) -> Result<(Option<Rng>, bool)> {
+        let last = self.episode.as_ref().map(|episode| &episode.rng);
+        if !self.settings.random_state {
+            let last = match last {
+                Some(Rng::Generator(generator)) => Some(generator),
+                _ => None,
+            };
+            let generator = reset.generator(last)?;
+            return Ok((Some(Rng::Generator(generator)), reset.seed.is_some()));
+        }
+        let seed = match (&reset.seed, last) {
+            (None, None) => Some(Seed::from_os()?),
+            (seed, _) => seed.clone(),
+        };
+        let rng = seed.as_ref().map(|seed| {
+            let both = (RandomState::from_seed(seed), Generator::new(seed));
+            Rng::RandomState(Box::new(both))
+        });
+        let seeded = rng.is_some();
+        Ok((rng, seeded))
+    }
+
+    fn start(&mut self, reset: &Reset) -> Result<Box<Episode>> {
+        let (rng, seeded) = self.seeded(reset)?;
+        // the old data is reused, not cloned: a clone would allocate its contacts again
+        let mut episode = match (self.episode.take(), rng) {
+            (Some(mut episode), Some(rng)) => {
+                episode.rng = rng;
+                episode
+            }
+            (Some(episode), None) => episode,
+            (None, rng) => Box::new(Episode {
+                rng: rng.unwrap_or_else(|| Rng::Generator(Generator::from(0))),
+                constants: Vec::new(),
+                steps: 0,
+                data: Data::new(&self.simulation.model),
+                measures: self.task.measures(),
+                measured: None,
+            }),
+        };
+        (episode.steps, episode.measured) = (0, None);
+        let Episode {
+            rng,
+            constants,
+            data,
+            ..
+        } = &mut *episode;
+        data.reset(&self.simulation.model);
+        if self.settles() {
+            self.simulation.settle(data);
+        }
+        self.task.start(&mut Start {
+            simulation: &mut self.simulation,
+            data,
+            rng,
+            constants,
+            seeded,
+        })?;
+        let [qpos, qvel] = &self.settings.start;
+        for (given, numbers) in [(qpos, &mut data.qpos), (qvel, &mut data.qvel)] {
+            if let Some(given) = given {
+                numbers.copy_from_slice(given);
+            }
+        }
+        self.simulation.settle(data);
+        Ok(episode)
+    }
+
+    /// Draws the state `data` on a canvas of the size `size`.
+    fn picture(&self, data: &Data, size: (u32, u32), canvas: &mut dyn Canvas) {
+        let Simulation { model, view, .. } = &self.simulation;
+        if let Some(coloured) = self.settings.coloured {
+            let model = coloured(model, self.task.reward(model, data));
+            return view.draw(&model, data, size, canvas);
+        }
+        view.draw(model, data, size, canvas);
+    }
+
+    fn observe(&mut self, observation: &mut Value) {
+        let Some(episode) = &self.episode else { return };
+        if let Some(mut pixels) = self.pixels.take() {
+            let draw = |size, canvas: &mut dyn Canvas| self.picture(&episode.data, size, canvas);
+            pixels.write(draw, observation);
+            self.pixels = Some(pixels);
+            return;
+        }
+        let settings = &*self.settings;
+        self.seen.clear();
+        let model = &self.simulation.model;
+        self.task.observe(model, &episode.data, &mut self.seen);
+        self.seen
+            .write(&self.layout, settings.flat, settings.dtype, observation);
+    }
+
+    /// Improves the error of a snapshot that this environment refuses. If the snapshot is of
+    /// another version of MuJoCo, the message names that version.
+    fn explain_refusal(&self, snapshot: &Snapshot, error: Error) -> Error {
+        /// The part of a snapshot that this function reads.
+        #[derive(serde::Deserialize)]
+        struct Taken {
+            env: String,
+            config: Json,
+        }
+        let settings = &*self.settings;
+        let Ok(taken) = snapshot.get::<Taken>() else {
+            return error;
+        };
+        match (
+            settings.mujoco(&taken.config),
+            settings.mujoco(&settings.config()),
+        ) {
+            (Some(other), Some(own)) if taken.env == settings.name && other != own => {
+                let env = settings.name;
+                Error::Snapshot(format!(
+                    "it was taken from a {env} of MuJoCo {other}, and this one is of MuJoCo {own}: restore it into an \
+                     environment made with mujoco=\"{other}\""
+                ))
+            }
+            _ => error,
+        }
+    }
+}
+
+impl Env for SimEnv {
+    type Observation = Value;
+    type Action = Array;
+
+    fn observation_space(&self) -> Space {
+        self.observation_space.clone()
+    }
+
+    fn action_space(&self) -> Space {
+        self.action_space.clone()
+    }
+
+    fn reset_into(&mut self, reset: &Reset, observation: &mut Value) -> Result<()> {
+        self.resumed.take();
+        self.episode = Some(self.start(reset)?);
+        self.observe(observation);
+        Ok(())
+    }
+
+    fn step_into(&mut self, action: &Array, observation: &mut Value) -> Result<Outcome> {
+        let Some(episode) = &mut self.episode else {
+            return Err(Error::ResetNeeded("step"));
+        };
+        if action.shape() != [self.simulation.model.nu()] || !action.is_finite() {
+            return Err(self.action_space.refuse_action(action));
+        }
+        self.resumed.take();
+        let data = &mut episode.data;
+        let measured = self.task.step(&self.simulation, data, action);
+        episode.measured = Some(measured);
+        episode.steps += 1;
+        let truncated = episode.steps as f64 >= self.settings.limit;
+        self.observe(observation);
+        Ok(Outcome {
+            reward: measured.reward,
+            terminated: measured.terminated && !truncated,
+            truncated,
+        })
+    }
+
+    fn snapshot(&self) -> Result<Snapshot> {
+        let settings = &*self.settings;
+        Snapshot::with_config(settings.name, &settings.config(), &self.episode)
+    }
+
+    fn restore(&mut self, snapshot: &Snapshot) -> Result<()> {
+        let settings = &*self.settings;
+        let config = settings.config();
+        let (of, measures) = ((settings.name, &config), self.task.measures());
+        let found = Episode::read(snapshot, of, measures, settings.random_state);
+        let mut episode = found.map_err(|error| self.explain_refusal(snapshot, error))?;
+        if let Some(Episode {
+            constants,
+            steps,
+            data,
+            ..
+        }) = &mut episode
+        {
+            let valid = data.check(&self.simulation.model).is_ok()
+                && (!self.settles() || data.is_computed())
+                && *steps as f64 <= settings.limit.min(1e15)
+                && self.task.has(constants);
+            if !valid {
+                let env = settings.name;
+                let reason = format!("its content is not a state of this {env}");
+                return Err(Error::Snapshot(reason));
+            }
+            if !constants.is_empty() {
+                let task = &*self.task;
+                self.simulation
+                    .change(|model| task.apply(constants, model))?;
+            }
+            data.resume(&self.simulation.model);
+        }
+        self.episode = episode.map(Box::new);
+        self.resumed.take();
+        Ok(())
+    }
+
+    fn info(&self, visit: &mut dyn FnMut(&str, Value)) {
+        let Some(episode) = &self.episode else { return };
+        let Episode { data, measured, .. } = &**episode;
+        let tendons_follow = self.task.tendons_follow();
+        let there = self.simulation.has(Derived::TenVelocity);
+        self.task
+            .info(&self.simulation, data, measured.as_ref(), &mut |name, x| {
+                visit(name, Value::Float(x));
+                if tendons_follow == Some(name)
+                    && let Some(data) = if there { Some(data) } else { self.data() }
+                {
+                    let array = |numbers: &[f64]| Value::Array(numbers.to_vec().into());
+                    visit("tendon_length", array(&data.ten_length));
+                    visit("tendon_velocity", array(&data.ten_velocity));
+                }
+            });
+    }
+
+    fn metadata(&self) -> Metadata {
+        let (fps, size) = (self.simulation.fps(), self.settings.size);
+        if self.settings.depth {
+            Metadata::drawn_and_depth(fps, size)
+        } else {
+            Metadata::drawn(fps, size)
+        }
+    }
+
+    fn draw(&self, canvas: &mut dyn Canvas) {
+        if let Some(data) = self.data() {
+            self.picture(data, self.settings.size, canvas);
+        }
+    }
+
+    fn depth(&self, size: (u32, u32)) -> Option<Vec<f32>> {
+        let data = self.data().filter(|_| self.settings.depth)?;
+        let Simulation { model, view, .. } = &self.simulation;
+        Some(view.depth_of(model, data, self.settings.size, size))
+    }
+
+    fn describe(&self) -> String {
+        self.settings.name.to_owned()
+    }
+
+    fn generator(&mut self) -> Option<&mut Generator> {
+        self.episode.as_mut().map(|episode| episode.rng.generator())
+    }
+
+    fn inspect(&self) -> Option<&dyn Inspect> {
+        Some(self)
+    }
+
+    fn inspect_mut(&mut self) -> Option<&mut dyn Inspect> {
+        Some(self)
+    }
+
+    fn close(&mut self) {
+        self.episode = None;
+        self.resumed.take();
+    }
+}
+
+impl Lockstep for SimEnv {
+    type Group = Worlds;
+
+    fn begin_reset(&mut self, _: &Reset, _: &mut Worlds) {
+        self.member = None;
+    }
+
+    fn begin_step(&mut self, action: &Array, worlds: &mut Worlds) {
+        let Simulation { model, stride, .. } = &self.simulation;
+        let fits = action.shape() == [model.nu()] && action.is_finite();
+        // an episode with drawn constants has a model of its own, so its world steps alone
+        let episode = self.episode.as_deref();
+        let episode = episode.filter(|episode| fits && episode.constants.is_empty());
+        self.member = episode
+            .and_then(|episode| worlds.begin(model, stride.as_ref()?, &episode.data, action));
+    }
+
+    fn collect(&mut self, worlds: &mut Worlds) {
+        if let (Some(member), Some(episode)) = (self.member.take(), &mut self.episode) {
+            worlds.collect(member, &mut episode.data);
+        }
+    }
+}
+
+/// The state is `qpos` and `qvel`, as in Gymnasium's `set_state`.
+impl Inspect for SimEnv {
+    fn state(&self) -> Option<Json> {
+        let Data { qpos, qvel, .. } = &self.episode.as_ref()?.data;
+        Some(json!({"qpos": qpos, "qvel": qvel}))
+    }
+
+    fn set_state(&mut self, state: Json) -> Result<()> {
+        let numbers = |name: &str| -> Result<Vec<f64>> {
+            serde_json::from_value(state[name].clone())
+                .map_err(|error| Error::argument(name, format!("a list of numbers: {error}")))
+        };
+        Self::set_state(self, &numbers("qpos")?, &numbers("qvel")?)
+    }
+
+    fn arguments(&self) -> Json {
+        self.settings.arguments.clone()
+    }
+}

@@ -1,0 +1,43 @@
+//! Environments on MuJoCo's physics.
+//!
+//! [`SimEnv`] is the one environment: a [`SimTask`] on a model of the crate [`mujoco_engine`].
+//! Pictures and depths, snapshots, changes of the state, MuJoCo's versions and vectors whose worlds
+//! step together come with it. Gymnasium's MuJoCo tasks (gym-mujoco) and the DeepMind Control Suite
+//! (gym-control) are tasks on it.
+//!
+//! A task with arguments implements [`FromArguments`] too, and registers as an [`Entry`].
+#![warn(clippy::disallowed_methods)]
+
+mod arguments;
+mod entry;
+mod env;
+mod episode;
+mod load;
+pub mod numpy;
+mod observation;
+mod pixels;
+mod rng;
+mod simulation;
+mod start;
+mod task;
+mod together;
+mod version;
+pub mod view;
+
+pub use arguments::{Common, TaskArguments};
+pub use entry::{Entry, Family, FromArguments, Own, register};
+pub use env::{Settings, SimEnv};
+pub use load::load;
+pub use mujoco_engine as engine;
+pub use observation::Observation;
+pub use rng::Rng;
+pub use simulation::{Simulation, Stepper};
+pub use start::Start;
+pub use task::{Measured, Measures, SimTask, Visit};
+pub use together::{Member, Worlds};
+pub use version::Version;
+
+/// The example of the README, compiled and run.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;

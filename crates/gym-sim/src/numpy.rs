@@ -1,0 +1,93 @@
+//! Sums and norms with numpy's rounding, in the order in which numpy adds.
+
+use std::ops::{Add, Range};
+
+/// Sum of the squares of an action, in single precision: numpy's `np.square(action).sum()`.
+pub fn sum_of_squares_f32(action: &[f32]) -> f32 {
+    pairwise(&|i| action[i] * action[i], 0..action.len())
+}
+
+/// Sum of the squares of `n` numbers.
+pub fn sum_of_squares(n: usize, number: impl Fn(usize) -> f64) -> f64 {
+    sum_of(n, |i| number(i) * number(i))
+}
+
+/// Sum of numbers: numpy's `sum`.
+pub fn sum(numbers: &[f64]) -> f64 {
+    sum_of(numbers.len(), |i| numbers[i])
+}
+
+/// Sum of `n` numbers: numpy's `sum`.
+pub fn sum_of(n: usize, number: impl Fn(usize) -> f64) -> f64 {
+    pairwise(&number, 0..n)
+}
+
+/// numpy's pairwise summation: eight partial sums, and recursive halving above 128 numbers.
+fn pairwise<T: Copy + Default + Add<Output = T>>(
+    term: &impl Fn(usize) -> T,
+    range: Range<usize>,
+) -> T {
+    const LANES: usize = 8;
+    const BLOCK: usize = 128;
+    let (start, n) = (range.start, range.len());
+    if n < LANES {
+        return range.map(term).fold(T::default(), T::add);
+    }
+    if n > BLOCK {
+        let half = n / 2 / LANES * LANES;
+        return pairwise(term, start..start + half) + pairwise(term, start + half..range.end);
+    }
+    let mut lanes: [T; LANES] = std::array::from_fn(|lane| term(start + lane));
+    let whole = n / LANES * LANES;
+    for i in (LANES..whole).step_by(LANES) {
+        for (lane, sum) in lanes.iter_mut().enumerate() {
+            *sum = *sum + term(start + i + lane);
+        }
+    }
+    let [a, b, c, d, e, f, g, h] = lanes;
+    let sum = ((a + b) + (c + d)) + ((e + f) + (g + h));
+    (start + whole..range.end).map(term).fold(sum, T::add)
+}
+
+/// The length of a vector, `np.linalg.norm`, as the recordings of a version have it.
+pub fn norm(version: u32, v: &[f64]) -> f64 {
+    dot(version, v).sqrt()
+}
+
+/// The dot product of a vector with itself, `np.dot`, whose rounding depends on the CPU. Versions 4
+/// and 5 were recorded on a CPU that fuses products and sums (AVX-512), versions 2 and 3 on a CPU
+/// with vectors of two doubles (no AVX).
+#[expect(
+    clippy::disallowed_methods,
+    reason = "numpy fuses here, and a fused product is the same on every platform"
+)]
+pub fn dot(version: u32, v: &[f64]) -> f64 {
+    if version >= 4 {
+        v.iter().fold(0.0_f64, |sum, x| x.mul_add(*x, sum))
+    } else {
+        let squares = |first: usize| v.iter().skip(first).step_by(2).map(|x| x * x).sum::<f64>();
+        squares(0) + squares(1)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn lengths_round_as_on_the_cpus_of_the_recordings() {
+        // numpy 1.26 and 2.4, with OPENBLAS_CORETYPE=SkylakeX and Prescott
+        let v = [0.696, -1.184, -0.662];
+        assert_eq!(norm(4, &v), 1.524_636_350_084_832_3);
+        assert_eq!(norm(3, &v), 1.524_636_350_084_832_6);
+    }
+
+    #[test]
+    fn sums_in_numpys_order() {
+        // numpy 2.4: np.sum(1 / np.arange(1, n + 1)), and with dtype float32
+        let numbers: Vec<f64> = (1..=300).map(|i| 1.0 / f64::from(i)).collect();
+        assert_eq!(sum(&numbers[..7]), 2.5928571428571425);
+        assert_eq!(sum(&numbers[..84]), 5.013973034584928);
+        assert_eq!(sum(&numbers), 6.282663880299504);
+    }
+}

@@ -1,0 +1,301 @@
+//! A model, and how an environment steps it.
+
+use std::sync::Arc;
+
+use gym_core::{Array, Error, Result};
+use mujoco_engine::lanes::{Derived, Stride};
+use mujoco_engine::model::{Disable, Integrator, SensorType};
+use mujoco_engine::physics::{forward, rne_post_constraint, step, step1, step2, substep};
+use mujoco_engine::{CompiledModel, Data, Model};
+
+use crate::arguments::Common;
+use crate::view::View;
+
+/// The constant parts of an environment: a model, and how it is stepped and seen.
+#[derive(Clone, Debug)]
+pub struct Simulation {
+    /// The model; environments of a task share it.
+    pub model: Arc<Model>,
+    /// The source of the model: the name of a built-in one, the path of a file, or a text in MJCF.
+    pub xml_file: String,
+    /// The number of timesteps per step.
+    pub frame_skip: usize,
+    /// Length of a step in seconds.
+    pub dt: f64,
+    /// The camera of rendered pictures.
+    pub(crate) view: View,
+    scheme: Scheme,
+    /// The properties of a step; `None` if the task's worlds cannot step together.
+    pub(crate) stride: Option<Stride>,
+}
+
+/// When the derived arrays of the data are computed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Stepper {
+    /// At the start of the last timestep, as by `mj_step` in Gymnasium: frames are a timestep older
+    /// than positions.
+    Behind {
+        /// Whether a step computes contact forces (`cfrc_ext`) too.
+        contact_forces: bool,
+    },
+    /// For the new state, as dm_control does by calling `mj_step2` before `mj_step1`.
+    Settled,
+}
+
+/// A [`Stepper`] with the models that it needs.
+#[derive(Clone, Debug)]
+enum Scheme {
+    Behind { contact_forces: bool },
+    Settled(Variants),
+}
+
+/// Variants of a model whose steps settle.
+#[derive(Clone, Debug)]
+struct Variants {
+    /// The model without actuators, for computing initial states.
+    without_actuators: Arc<Model>,
+    /// The model without sensors, for timesteps whose sensors are not observed.
+    without_sensors: Arc<Model>,
+    /// Whether a sensor measures forces or accelerations. If so, the last timestep of a step must
+    /// compute the sensors.
+    senses_forces: bool,
+}
+
+impl Variants {
+    fn of(model: &Model) -> Result<Self> {
+        let without = |part: Disable| {
+            let mut compiled = CompiledModel::clone(model);
+            compiled.opt.disableflags |= part as u32;
+            Model::new(compiled).map(Arc::new).map_err(wrong)
+        };
+        let late = [SensorType::Touch];
+        Ok(Self {
+            without_actuators: without(Disable::Actuation)?,
+            without_sensors: without(Disable::Sensor)?,
+            senses_forces: model.sensor_type.iter().any(|kind| late.contains(kind)),
+        })
+    }
+
+    /// The model of the last timestep of a step.
+    fn last<'a>(&'a self, model: &'a Model) -> &'a Model {
+        if self.senses_forces {
+            model
+        } else {
+            &self.without_sensors
+        }
+    }
+}
+
+/// Converts an error of the engine in a model that was changed.
+#[expect(clippy::needless_pass_by_value, reason = "`map_err` gives it")]
+fn wrong(error: mujoco_engine::Error) -> Error {
+    Error::argument("model", error.to_string())
+}
+
+impl Simulation {
+    /// The model that `load` gives, stepped by `stepper`, with the frame skip and the camera of
+    /// `arguments`.
+    ///
+    /// # Errors
+    /// [`Error::InvalidArgument`] for an argument out of range, and a camera that the model lacks;
+    /// those of `load`.
+    pub fn new(
+        load: impl FnOnce() -> Result<Arc<Model>>,
+        arguments: &Common,
+        stepper: Stepper,
+    ) -> Result<Self> {
+        arguments.check()?;
+        let model = load()?;
+        let view = View::of_task(&model, arguments)?;
+        let scheme = match stepper {
+            Stepper::Behind { contact_forces } => Scheme::Behind { contact_forces },
+            Stepper::Settled => Scheme::Settled(Variants::of(&model)?),
+        };
+        Ok(Self {
+            xml_file: arguments.xml_file.clone(),
+            frame_skip: arguments.frame_skip,
+            dt: model.opt.timestep * arguments.frame_skip as f64,
+            model,
+            view,
+            scheme,
+            stride: None,
+        })
+    }
+
+    /// Lets worlds step together, for a task that reads the derived arrays `reads` after a step.
+    pub(crate) fn read(&mut self, reads: &[Derived]) {
+        let (settles, contact_forces) = match &self.scheme {
+            Scheme::Behind { contact_forces } => (false, *contact_forces),
+            Scheme::Settled(_) => (true, true),
+        };
+        let computed = |array: &Derived| {
+            settles || array.is_known(&self.model) && (contact_forces || *array != Derived::CfrcExt)
+        };
+        self.stride = Some(Stride {
+            steps: self.frame_skip,
+            settles,
+            contact_forces: contact_forces && !settles,
+            reads: reads.iter().copied().filter(computed).collect(),
+        });
+    }
+
+    /// Whether a derived array is current after a step, even if several worlds took the step
+    /// together.
+    pub(crate) fn has(&self, array: Derived) -> bool {
+        let stride = self.stride.as_ref();
+        stride.is_none_or(|stride| stride.reads.contains(&array))
+    }
+
+    /// When derived arrays are computed.
+    #[must_use]
+    pub fn stepper(&self) -> Stepper {
+        match &self.scheme {
+            Scheme::Behind { contact_forces } => Stepper::Behind {
+                contact_forces: *contact_forces,
+            },
+            Scheme::Settled(_) => Stepper::Settled,
+        }
+    }
+
+    /// Whether pictures are seen from a free camera, which
+    /// [`turn_camera`](crate::SimEnv::turn_camera) turns.
+    #[must_use]
+    pub fn has_free_camera(&self) -> bool {
+        self.view.is_free()
+    }
+
+    /// Changes fields of the model.
+    pub(crate) fn change(&mut self, change: impl FnOnce(&mut CompiledModel)) -> Result<()> {
+        let mut compiled = CompiledModel::clone(&self.model);
+        change(&mut compiled);
+        let model = Model::new(compiled).map(Arc::new).map_err(wrong)?;
+        if let Scheme::Settled(variants) = &mut self.scheme {
+            *variants = Variants::of(&model)?;
+        }
+        self.model = model;
+        Ok(())
+    }
+
+    /// Computes the derived arrays of a state that was set. (dm_control does so without the
+    /// actuators.)
+    pub(crate) fn settle(&self, data: &mut Data) {
+        match &self.scheme {
+            Scheme::Behind { .. } => forward(&self.model, data),
+            Scheme::Settled(variants) => forward(&variants.without_actuators, data),
+        }
+    }
+
+    /// Computes the arrays that a step taken together with other worlds left out.
+    pub(crate) fn resume(&self, data: &mut Data) {
+        match &self.scheme {
+            Scheme::Behind { .. } => data.resume(&self.model),
+            Scheme::Settled(variants) => {
+                data.rewind();
+                step(variants.last(&self.model), data);
+                step1(&self.model, data);
+            }
+        }
+    }
+
+    /// Sets the controls to `action`, and advances by the timesteps of a step.
+    pub fn step(&self, data: &mut Data, action: &Array) {
+        for (ctrl, a) in data.ctrl.iter_mut().zip(action.iter_f64()) {
+            *ctrl = a;
+        }
+        let stride = self.stride.as_ref();
+        if !stride.is_some_and(|stride| data.catch_up(&self.model, stride)) {
+            self.advance(data, self.frame_skip);
+        }
+    }
+
+    /// Advances the state by some timesteps, at least one.
+    pub(crate) fn advance(&self, data: &mut Data, timesteps: usize) {
+        let model = &*self.model;
+        let variants = match &self.scheme {
+            Scheme::Behind { contact_forces } => {
+                for _ in 1..timesteps {
+                    substep(model, data);
+                }
+                step(model, data);
+                if *contact_forces {
+                    rne_post_constraint(model, data);
+                }
+                return;
+            }
+            Scheme::Settled(variants) => variants,
+        };
+        let last = variants.last(model);
+        let of = |timestep: usize| {
+            if timestep + 1 == timesteps {
+                last
+            } else {
+                &variants.without_sensors
+            }
+        };
+        let mut steps = 0..timesteps;
+        // `step1` of this timestep is already done, except after a step that was taken together
+        // with other worlds
+        if model.opt.integrator != Integrator::RK4 && !data.is_behind() {
+            steps.next();
+            step2(of(0), data);
+        }
+        for timestep in steps {
+            substep(of(timestep), data);
+        }
+        step1(model, data);
+    }
+
+    /// Frames per second in real time.
+    pub(crate) fn fps(&self) -> u32 {
+        (1.0 / self.dt).round_ties_even().clamp(1.0, 1e6) as u32
+    }
+
+    /// The body `name`, which the task needs.
+    ///
+    /// # Errors
+    /// [`Error::InvalidArgument`] if the model has none of that name.
+    pub fn body(&self, name: &str) -> Result<usize> {
+        self.known("body", name, self.model.body_id(name))
+    }
+
+    /// The geom `name`, which the task needs.
+    ///
+    /// # Errors
+    /// [`Error::InvalidArgument`] if the model has none of that name.
+    pub fn geom(&self, name: &str) -> Result<usize> {
+        self.known("geom", name, self.model.geom_id(name))
+    }
+
+    /// The site `name`, which the task needs.
+    ///
+    /// # Errors
+    /// [`Error::InvalidArgument`] if the model has none of that name.
+    pub fn site(&self, name: &str) -> Result<usize> {
+        self.known("site", name, self.model.site_id(name))
+    }
+
+    /// The joint `name`, which the task needs.
+    ///
+    /// # Errors
+    /// [`Error::InvalidArgument`] if the model has none of that name.
+    pub fn joint(&self, name: &str) -> Result<usize> {
+        self.known("joint", name, self.model.joint_id(name))
+    }
+
+    fn known(&self, kind: &str, name: &str, id: Option<usize>) -> Result<usize> {
+        let missing = || format!("the model has no {kind} {name:?}");
+        id.ok_or_else(|| Error::argument("xml_file", missing()))
+    }
+
+    /// Refuses a model with fewer than `at_least` objects of the kind `what`.
+    ///
+    /// # Errors
+    /// [`Error::InvalidArgument`] with the numbers.
+    pub fn needs(&self, what: &str, there_are: usize, at_least: usize) -> Result<()> {
+        if there_are >= at_least {
+            return Ok(());
+        }
+        let reason = format!("the model has {there_are} {what}, the task needs {at_least}");
+        Err(Error::argument("xml_file", reason))
+    }
+}

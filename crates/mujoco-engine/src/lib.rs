@@ -38,8 +38,8 @@
 //!   [`Model::from_xml`]; planes, spheres, capsules, cylinders, boxes and ellipsoids. Meshes with
 //!   mass or contacts, height fields, flexes and plugins are refused.
 //! - **Determinism.** No clock, no threads, no global state, no allocation in a step, no `unsafe`.
-//! - **Many worlds at once.** [`lanes`] steps several worlds of one model in the registers of the
-//!   CPU.
+//! - **Many worlds at once.** [`lanes::Worlds`] steps many worlds of one model, with their states in
+//!   columns.
 
 #![warn(clippy::disallowed_methods)]
 

@@ -6,3 +6,4 @@ mod compiled;
 mod contacts;
 mod mjcf;
 mod rooms;
+mod worlds;

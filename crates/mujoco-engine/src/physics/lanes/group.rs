@@ -170,11 +170,23 @@ impl Group {
         }
     }
 
+    /// Sets the number of timesteps of the next step.
+    pub(super) fn set_steps(&mut self, timesteps: usize) {
+        self.stride.steps = timesteps;
+    }
+
+    /// The record of a world that stepped: its state, its state at the start of the last timestep,
+    /// and the derived arrays. `None` if the world must step alone.
+    pub(super) fn result(&self, world: usize) -> Option<&[f64]> {
+        let record = || &self.records[world * self.length..][..self.length];
+        self.stepped[world].then(record)
+    }
+
     /// Writes the result of a world's step to `data`, if the world has stepped;
     /// [`Data::catch_up`] then takes it over.
     pub fn collect(&self, world: usize, data: &mut Data) {
-        if self.stepped[world] {
-            data.look_ahead(&self.records[world * self.length..][..self.length]);
+        if let Some(record) = self.result(world) {
+            data.look_ahead(record);
         }
     }
 }

@@ -16,6 +16,7 @@ mod rows;
 mod sensors;
 mod stages;
 mod tree;
+mod worlds;
 
 use fearless_simd::{Level, Simd};
 use gym_numerics::math::{Lanes, Real};
@@ -29,6 +30,7 @@ use self::newton::Newton;
 use self::row::{Place, copy, load, same, store};
 pub(crate) use self::row::{Row, WORLDS};
 use self::rows::{Rows, worlds};
+pub use self::worlds::Worlds;
 use super::integrate::{PARTS, WEIGHTS, integrate_pos_of};
 use super::post_constraint::push_apart;
 use crate::Model;

@@ -1,0 +1,113 @@
+//! Worlds in columns have the bits of worlds that step one by one.
+
+use std::sync::Arc;
+
+use mujoco_engine::lanes::{Derived, Worlds};
+use mujoco_engine::physics::rne_post_constraint;
+use mujoco_engine::{Data, Model, step};
+
+/// A robot that hops on a floor: its worlds step together.
+const HOPPER: &str = r#"<mujoco>
+  <worldbody>
+    <geom type="plane" size="5 5 1"/>
+    <body name="torso" pos="0 0 0.9">
+      <joint type="slide" axis="0 0 1"/><joint type="slide" axis="1 0 0"/>
+      <joint axis="0 1 0"/>
+      <geom type="capsule" fromto="0 0 0  0 0 0.4" size="0.05"/>
+      <body name="leg">
+        <joint name="knee" axis="0 1 0" damping="1" range="-60 60" limited="true"/>
+        <geom type="capsule" fromto="0 0 0  0.1 0 -0.8" size="0.04"/>
+      </body>
+    </body>
+  </worldbody>
+  <actuator><motor joint="knee" gear="20" ctrlrange="-1 1" ctrllimited="true"/></actuator>
+</mujoco>"#;
+
+/// A pendulum on a ball joint, with an activation: its worlds step one by one.
+const BALL: &str = r#"<mujoco>
+  <worldbody>
+    <body><joint type="ball"/><joint name="hinge" axis="0 1 0"/><geom size="0.1" pos="0.3 0 0"/></body>
+  </worldbody>
+  <actuator><general joint="hinge" dyntype="integrator" gainprm="3"/></actuator>
+</mujoco>"#;
+
+fn random(seed: u64) -> impl FnMut() -> f64 {
+    let mut seed = seed;
+    move || {
+        seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);
+        (seed >> 11) as f64 / (1_u64 << 52) as f64 - 1.0
+    }
+}
+
+fn compare(text: &str, len: usize) {
+    let model = Arc::new(Model::from_xml(text).unwrap());
+    let m = &*model;
+    let reads = [Derived::Xpos, Derived::CfrcExt];
+    let mut worlds = Worlds::new(&model, len, &reads);
+    let mut alone: Vec<Data> = (0..len).map(|_| Data::new(m)).collect();
+    let mut random = random(3);
+    for (world, data) in alone.iter_mut().enumerate() {
+        data.qvel.fill_with(&mut random);
+        worlds.qvel[world * m.nv()..][..m.nv()].copy_from_slice(&data.qvel);
+    }
+    for timesteps in [1, 4, 4, 7, 4, 4, 4, 40, 4, 60] {
+        for (world, data) in alone.iter_mut().enumerate() {
+            data.ctrl.fill_with(&mut random);
+            worlds.ctrl[world * m.nu()..][..m.nu()].copy_from_slice(&data.ctrl);
+        }
+        worlds.step(timesteps);
+        for data in &mut alone {
+            (0..timesteps).for_each(|_| step(m, data));
+            rne_post_constraint(m, data);
+        }
+        for (world, data) in alone.iter().enumerate() {
+            let what = format!("world {world} of {len}, {timesteps} timesteps");
+            let part = |column: &[f64], n: usize| -> Vec<u64> {
+                let own = column[world * n..][..n].iter();
+                own.map(|x| x.to_bits()).collect()
+            };
+            let bits = |own: &[f64]| -> Vec<u64> { own.iter().map(|x| x.to_bits()).collect() };
+            assert_eq!(worlds.time[world], data.time, "{what}");
+            assert_eq!(part(&worlds.qpos, m.nq()), bits(&data.qpos), "{what}");
+            assert_eq!(part(&worlds.qvel, m.nv()), bits(&data.qvel), "{what}");
+            assert_eq!(part(&worlds.act, m.na()), bits(&data.act), "{what}");
+            let [xpos, cfrc_ext] = reads.map(|array| worlds.array(array).unwrap());
+            let n = m.nbody();
+            assert_eq!(part(xpos, 3 * n), bits(data.xpos.as_flattened()), "{what}");
+            let forces = data.cfrc_ext.as_flattened();
+            assert_eq!(part(cfrc_ext, 6 * n), bits(forces), "{what}");
+        }
+    }
+}
+
+#[test]
+fn worlds_that_step_together_have_the_bits_of_one() {
+    for len in [1, 9, 64, 77] {
+        compare(HOPPER, len);
+    }
+}
+
+#[test]
+fn worlds_that_cannot_step_together_step_one_by_one() {
+    compare(BALL, 5);
+}
+
+#[test]
+fn a_world_that_diverges_starts_anew() {
+    let model = Arc::new(Model::from_xml(HOPPER).unwrap());
+    let mut worlds = Worlds::new(&model, 16, &[]);
+    worlds.qvel[3 * model.nv()] = 1e12;
+    worlds.ctrl[5] = f64::NAN;
+    worlds.step(2);
+    assert!(
+        worlds
+            .qpos
+            .iter()
+            .chain(&*worlds.qvel)
+            .all(|x| x.abs() < 10.0)
+    );
+    worlds.reset(7);
+    assert_eq!(worlds.time[7], 0.0);
+    assert_eq!(worlds.qpos[7 * model.nq()..][..model.nq()], model.qpos0);
+    assert_eq!(worlds.array(Derived::Xpos), None);
+}

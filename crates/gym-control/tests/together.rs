@@ -1,12 +1,12 @@
-//! Worlds that step together have the bits of worlds that step one by one.
+//! Groups that step together have the bits of worlds that step one by one.
 
 use fearless_simd::Level;
 use gym_core::vector::lockstep::{Lockstep, Together};
 use gym_core::vector::{Autoreset, Columns, VectorKind};
 use gym_core::{Array, Env, EnvExt, Value, VectorEnvExt, builder, registry};
 use gym_render as _;
+use gym_sim::Groups;
 use gym_sim::SimEnv;
-use gym_sim::Worlds;
 use mujoco_engine::Data;
 
 fn ids() -> impl Iterator<Item = String> {
@@ -64,7 +64,7 @@ fn arrays(d: &Data) -> impl PartialEq + std::fmt::Debug + '_ {
     )
 }
 
-/// Worlds of each task step together and alone, with resets in between. Worlds that do not fill a
+/// Groups of each task step together and alone, with resets in between. Groups that do not fill a
 /// register step alone.
 #[test]
 fn every_task_has_the_bits_of_worlds_alone() {
@@ -96,7 +96,7 @@ fn worlds_of_most_tasks_step_together() {
         let made = builder(&id).arg("flat", true).build().unwrap();
         let made = made.layer::<SimEnv>().expect("a task");
         let (mut envs, mut seen) = (vec![made.clone(); 8], Value::default());
-        let mut worlds = Worlds::default();
+        let mut worlds = Groups::default();
         let action = made.action_sampler(4).unwrap().sample().clone();
         for (seed, env) in (0_u64..).zip(&mut envs) {
             env.reset_into(&seed.into(), &mut seen).unwrap();
@@ -106,10 +106,10 @@ fn worlds_of_most_tasks_step_together() {
         let behind = envs.iter_mut().map(|env| {
             env.collect(&mut worlds);
             env.step_into(&action, &mut seen).unwrap();
-            usize::from(env.is_behind())
+            usize::from(env.has_stale_arrays())
         });
         let is_alone = alone.iter().any(|name| id.contains(name));
-        let expected = if is_alone || !Worlds::can_step() {
+        let expected = if is_alone || !Groups::can_step() {
             0
         } else {
             8
@@ -119,7 +119,7 @@ fn worlds_of_most_tasks_step_together() {
 }
 
 fn play(made: &SimEnv, n: usize, level: Level, what: &str) {
-    let mut worlds = Worlds::new(level);
+    let mut worlds = Groups::new(level);
     let mut envs = vec![made.clone(); n];
     let mut alone = envs.clone();
     let (mut seen, mut expected) = (Value::default(), Value::default());

@@ -23,7 +23,7 @@ use crate::rng::Rng;
 use crate::simulation::{Simulation, Stepper};
 use crate::start::Start;
 use crate::task::SimTask;
-use crate::together::{Member, Worlds};
+use crate::together::{Groups, Member};
 
 /// What an environment has beside its task and its simulation.
 #[derive(Clone, Debug)]
@@ -185,20 +185,20 @@ impl SimEnv {
     /// The state of the model, with current derived arrays; `None` before the first reset.
     pub fn data(&self) -> Option<&Data> {
         let data = &self.episode.as_ref()?.data;
-        if !data.is_behind() {
+        if !data.has_stale_arrays() {
             return Some(data);
         }
         Some(self.resumed.get_or_init(|| {
             let mut data = data.clone();
-            self.simulation.resume(&mut data);
+            data.resume(&self.simulation.model);
             Box::new(data)
         }))
     }
 
-    /// Whether the last step was computed together with other worlds: see [`Data::is_behind`].
-    pub fn is_behind(&self) -> bool {
+    /// Whether the last step was taken together with other worlds: see [`Data::has_stale_arrays`].
+    pub fn has_stale_arrays(&self) -> bool {
         let episode = self.episode.as_ref();
-        episode.is_some_and(|episode| episode.data.is_behind())
+        episode.is_some_and(|episode| episode.data.has_stale_arrays())
     }
 
     /// Continues the episode from other positions and velocities (nq and nv numbers): Gymnasium's
@@ -506,13 +506,13 @@ impl Env for SimEnv {
 }
 
 impl Lockstep for SimEnv {
-    type Group = Worlds;
+    type Group = Groups;
 
-    fn begin_reset(&mut self, _: &Reset, _: &mut Worlds) {
+    fn begin_reset(&mut self, _: &Reset, _: &mut Groups) {
         self.member = None;
     }
 
-    fn begin_step(&mut self, action: &Array, worlds: &mut Worlds) {
+    fn begin_step(&mut self, action: &Array, worlds: &mut Groups) {
         let Simulation { model, stride, .. } = &self.simulation;
         let fits = action.shape() == [model.nu()] && action.is_finite();
         // an episode with drawn constants has a model of its own, so its world steps alone
@@ -522,7 +522,7 @@ impl Lockstep for SimEnv {
             .and_then(|episode| worlds.begin(model, stride.as_ref()?, &episode.data, action));
     }
 
-    fn collect(&mut self, worlds: &mut Worlds) {
+    fn collect(&mut self, worlds: &mut Groups) {
         if let (Some(member), Some(episode)) = (self.member.take(), &mut self.episode) {
             worlds.collect(member, &mut episode.data);
         }

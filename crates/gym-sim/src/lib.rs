@@ -34,7 +34,7 @@ pub use rng::Rng;
 pub use simulation::{Simulation, Stepper};
 pub use start::Start;
 pub use task::{Measured, Measures, SimTask, Visit};
-pub use together::{Member, Worlds};
+pub use together::{Groups, Member};
 pub use version::Version;
 
 /// The example of the README, compiled and run.

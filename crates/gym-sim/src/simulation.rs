@@ -185,18 +185,6 @@ impl Simulation {
         }
     }
 
-    /// Computes the arrays that a step taken together with other worlds left out.
-    pub(crate) fn resume(&self, data: &mut Data) {
-        match &self.scheme {
-            Scheme::Behind { .. } => data.resume(&self.model),
-            Scheme::Settled(variants) => {
-                data.rewind();
-                step(variants.last(&self.model), data);
-                step1(&self.model, data);
-            }
-        }
-    }
-
     /// Sets the controls to `action`, and advances by the timesteps of a step.
     pub fn step(&self, data: &mut Data, action: &Array) {
         for (ctrl, a) in data.ctrl.iter_mut().zip(action.iter_f64()) {
@@ -235,7 +223,7 @@ impl Simulation {
         let mut steps = 0..timesteps;
         // `step1` of this timestep is already done, except after a step that was taken together
         // with other worlds
-        if model.opt.integrator != Integrator::RK4 && !data.is_behind() {
+        if model.opt.integrator != Integrator::RK4 && !data.has_stale_arrays() {
             steps.next();
             step2(of(0), data);
         }

@@ -17,7 +17,7 @@ const MODELS: usize = 4;
 /// Only worlds of the same model step together: environments share a built-in model, but each loads
 /// its own from a file.
 #[derive(Clone, Debug)]
-pub struct Worlds {
+pub struct Groups {
     level: Level,
     groups: Vec<Group>,
 }
@@ -29,13 +29,13 @@ pub struct Member {
     world: usize,
 }
 
-impl Default for Worlds {
+impl Default for Groups {
     fn default() -> Self {
         Self::new(math::level())
     }
 }
 
-impl Worlds {
+impl Groups {
     /// Groups that step with the vector instructions of `level`.
     #[must_use]
     pub fn new(level: Level) -> Self {
@@ -87,7 +87,7 @@ impl Worlds {
     }
 }
 
-impl Together for Worlds {
+impl Together for Groups {
     const LEN: usize = 64;
 
     fn solve(&mut self) {

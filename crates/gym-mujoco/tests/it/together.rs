@@ -1,4 +1,4 @@
-//! Worlds that step together, at each level of vector instructions.
+//! Groups that step together, at each level of vector instructions.
 
 use gym_core::vector::lockstep::Lockstep;
 use gym_core::{Array, Element, Env, EnvExt, Value};
@@ -6,7 +6,7 @@ use gym_core::{Array, Element, Env, EnvExt, Value};
 use fearless_simd::Level;
 use gym_core::vector::lockstep::Together;
 use gym_mujoco::{HalfCheetah, half_cheetah};
-use gym_sim::{SimEnv, Worlds};
+use gym_sim::{Groups, SimEnv};
 use mujoco_engine::lanes::Group;
 
 fn levels() -> Vec<Level> {
@@ -24,7 +24,7 @@ fn whole_registers_step_together() {
         let make = || HalfCheetah::new(half_cheetah::Config::default()).unwrap();
         let mut envs: Vec<SimEnv> = (0..9).map(|_| make()).collect();
         let mut alone = envs.clone();
-        let mut worlds = Worlds::new(level);
+        let mut worlds = Groups::new(level);
         let mut seen = Value::empty();
         for (i, env) in envs.iter_mut().chain(&mut alone).enumerate() {
             env.reset_into(&(i as u64 % 9).into(), &mut seen).unwrap();
@@ -44,7 +44,7 @@ fn whole_registers_step_together() {
                 let mut expected = Value::empty();
                 let other = alone.step_into(action, &mut expected).unwrap();
                 assert_eq!((outcome, &seen), (other, &expected), "{level:?}");
-                together += usize::from(env.is_behind());
+                together += usize::from(env.has_stale_arrays());
             }
             let expected = if Group::can_step(level) { 8 } else { 0 };
             assert_eq!(together, expected, "{level:?}");

@@ -53,7 +53,7 @@ pub(crate) fn with_constants(mut m: Box<CompiledModel>) -> Result<Box<CompiledMo
     add_subtree_masses(&mut m);
     let mut d = add_inertia(&mut m)?;
     let model = boxed(*m)?;
-    d.fit(&model);
+    d.resize_for(&model);
     factor_inertia(&model, &mut d);
     Ok(Box::new(with_figures(&model, &mut d)))
 }

@@ -21,7 +21,7 @@ pub trait Number:
     + Neg<Output = Self>
 {
     /// Selects the worlds of a register.
-    type Place: Copy;
+    type At: Copy;
 
     /// A number in memory.
     type Cell: Copy;
@@ -30,17 +30,17 @@ pub trait Number:
     type Mask: Copy;
 
     /// `x` in each world.
-    fn of(place: Self::Place, x: f64) -> Self;
+    fn of(place: Self::At, x: f64) -> Self;
 
     /// Reads numbers.
-    fn get(place: Self::Place, cell: &Self::Cell) -> Self;
+    fn get(place: Self::At, cell: &Self::Cell) -> Self;
 
     /// Writes numbers.
-    fn put(self, place: Self::Place, cell: &mut Self::Cell);
+    fn put(self, place: Self::At, cell: &mut Self::Cell);
 
     /// `vector` in each world.
     #[inline(always)]
-    fn all_of<const K: usize>(place: Self::Place, vector: [f64; K]) -> [Self; K] {
+    fn all_of<const K: usize>(place: Self::At, vector: [f64; K]) -> [Self; K] {
         vector.map(
             #[inline(always)]
             |x| Self::of(place, x),
@@ -49,7 +49,7 @@ pub trait Number:
 
     /// Reads a vector.
     #[inline(always)]
-    fn get_all<const K: usize>(place: Self::Place, cells: &[Self::Cell; K]) -> [Self; K] {
+    fn get_all<const K: usize>(place: Self::At, cells: &[Self::Cell; K]) -> [Self; K] {
         std::array::from_fn(
             #[inline(always)]
             |k| Self::get(place, &cells[k]),
@@ -58,7 +58,7 @@ pub trait Number:
 
     /// Writes a vector.
     #[inline(always)]
-    fn put_all<const K: usize>(vector: [Self; K], place: Self::Place, cells: &mut [Self::Cell; K]) {
+    fn put_all<const K: usize>(vector: [Self; K], place: Self::At, cells: &mut [Self::Cell; K]) {
         for (x, cell) in vector.into_iter().zip(cells) {
             x.put(place, cell);
         }
@@ -94,7 +94,7 @@ pub trait Number:
 }
 
 impl Number for f64 {
-    type Place = ();
+    type At = ();
     type Cell = f64;
     type Mask = bool;
 
@@ -177,14 +177,14 @@ impl Number for f64 {
 
 /// Reads a vector.
 #[inline(always)]
-pub(crate) fn get<N: Number, const K: usize>(place: N::Place, cells: &[N::Cell; K]) -> [N; K] {
+pub(crate) fn get<N: Number, const K: usize>(place: N::At, cells: &[N::Cell; K]) -> [N; K] {
     N::get_all(place, cells)
 }
 
 /// Writes a vector.
 #[inline(always)]
 pub(crate) fn put<N: Number, const K: usize>(
-    place: N::Place,
+    place: N::At,
     vector: [N; K],
     cells: &mut [N::Cell; K],
 ) {
@@ -193,6 +193,6 @@ pub(crate) fn put<N: Number, const K: usize>(
 
 /// The constants `vector` in each world.
 #[inline(always)]
-pub(crate) fn of<N: Number, const K: usize>(place: N::Place, vector: [f64; K]) -> [N; K] {
+pub(crate) fn of<N: Number, const K: usize>(place: N::At, vector: [f64; K]) -> [N; K] {
     N::all_of(place, vector)
 }

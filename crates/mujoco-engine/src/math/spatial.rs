@@ -79,7 +79,7 @@ pub fn normalize(a: Vec3) -> (Vec3, f64) {
 
 /// [`normalize`] for one world or several.
 #[inline(always)]
-pub(crate) fn unit<N: Number>(place: N::Place, a: [N; 3]) -> ([N; 3], N) {
+pub(crate) fn unit<N: Number>(place: N::At, a: [N; 3]) -> ([N; 3], N) {
     let length = dot(a, a).sqrt();
     let direction = N::choose(
         length.is_below(MINVAL),
@@ -145,7 +145,7 @@ pub(crate) trait Order {
 
     /// `q` scaled to length 1; the identity if it is shorter than [`MINVAL`].
     #[inline(always)]
-    fn normalize_quat<N: Number>(place: N::Place, q: [N; 4]) -> [N; 4] {
+    fn normalize_quat<N: Number>(place: N::At, q: [N; 4]) -> [N; 4] {
         let length = Self::sum([q[0] * q[0], q[1] * q[1], q[2] * q[2], q[3] * q[3]]).sqrt();
         N::choose(
             length.is_below(MINVAL),
@@ -194,7 +194,7 @@ pub(crate) trait Order {
     /// The quaternion after a rotation at a constant angular velocity, given in the frame of the
     /// quaternion: MuJoCo's `mju_quatIntegrate`.
     #[inline(always)]
-    fn quat_integrate<N: Number>(at: N::Place, q: [N; 4], velocity: [N; 3], time: f64) -> [N; 4] {
+    fn quat_integrate<N: Number>(at: N::At, q: [N; 4], velocity: [N; 3], time: f64) -> [N; 4] {
         let (axis, speed) = unit(at, velocity);
         let turn = axis_angle(at, axis, speed * time);
         Self::mul_quat(Self::normalize_quat(at, q), turn)
@@ -257,7 +257,7 @@ impl Order for Pairwise {
 /// The rotation by `angle` about `axis`, which has length 1.
 #[inline(always)]
 pub(crate) fn axis_angle<N: Number + Mul<V, Output = N>, V: Copy>(
-    place: N::Place,
+    place: N::At,
     axis: [V; 3],
     angle: N,
 ) -> [N; 4] {
@@ -364,7 +364,7 @@ pub(crate) fn mul_inertia<N: Number>(i: &[N; 10], v: &[N; 6]) -> [N; 6] {
 /// reference point: xx, yy, zz, xy, xz, yz, mass times offset (3), mass. MuJoCo's `mju_inertCom`.
 #[inline(always)]
 pub(crate) fn inertia_at<N: Number>(
-    place: N::Place,
+    place: N::At,
     moments: Vec3,
     mat: &[N; 9],
     offset: [N; 3],

@@ -35,7 +35,7 @@ pub fn com_pos(m: &Model, d: &mut Data) {
 
 /// [`com_pos`] for one world or several.
 #[inline(always)]
-pub(crate) fn com_pos_of<N: Number>(m: &Model, at: N::Place, numbers: Inertias<'_, N::Cell>) {
+pub(crate) fn com_pos_of<N: Number>(m: &Model, at: N::At, numbers: Inertias<'_, N::Cell>) {
     // slices of equal length let the compiler check an index once for all of them
     let n = m.nbody();
     let bodies = &m.plan().bodies[..n];

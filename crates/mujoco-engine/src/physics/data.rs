@@ -151,9 +151,9 @@ pub struct Data {
     before: State,
     /// Whether `cfrc_ext` belongs to the last call.
     pub(crate) contact_forces: bool,
-    /// Whether the derived arrays are older than the last call: several worlds took that step
-    /// together, and only the state was stored.
-    behind: bool,
+    /// Whether the derived arrays are older than the state: the last step ran in lanes, which store
+    /// only the arrays that the task reads.
+    stale: bool,
     /// The result of a step that was computed ahead of its call: the state, and the state at the
     /// start of the last timestep.
     ahead: Vec<f64>,
@@ -343,12 +343,12 @@ impl Data {
     pub fn reset(&mut self, m: &Model) {
         self.clear(m);
         (self.last, self.contact_forces) = (None, false);
-        (self.behind, self.is_ahead) = (false, false);
+        (self.stale, self.is_ahead) = (false, false);
     }
 
     /// [`reset`](Self::reset) without clearing the record of the last call.
     pub(crate) fn clear(&mut self, m: &Model) {
-        self.fit(m);
+        self.resize_for(m);
         let d = &mut *self;
         d.time = 0.0;
         arrays!(d, m, fill);
@@ -395,13 +395,19 @@ impl Data {
         ])
     }
 
-    /// Repeats the last call to compute the arrays that are not serialised. Not needed before a
-    /// step or a forward call.
+    /// Repeats the last call to compute the arrays that are not serialised, or that a step taken
+    /// together with other worlds [left out](Self::has_stale_arrays). Not needed before a step or a
+    /// forward call.
     ///
     /// # Panics
     /// If the data is of another model; see [`check`](Self::check).
     pub fn resume(&mut self, m: &Model) {
-        self.fit(m);
+        self.resize_for(m);
+        if self.rewind() {
+            step(m, self);
+            step1(m, self);
+            return;
+        }
         let Some(last) = self.last else { return };
         let (now, contact_forces) = (self.state(), self.contact_forces);
         let mut before = std::mem::take(&mut self.before);
@@ -470,8 +476,8 @@ impl Data {
 
     /// Stores the state from which a call starts.
     #[inline]
-    pub(crate) fn begin(&mut self, m: &Model, call: Call) {
-        self.pass(m);
+    pub(crate) fn begin_call(&mut self, m: &Model, call: Call) {
+        self.begin_substep(m);
         self.work.skips = false;
         self.last = Some(call);
         let mut before = std::mem::take(&mut self.before);
@@ -486,19 +492,19 @@ impl Data {
     /// Prepares a timestep that neither stores its initial state nor computes the geom and site
     /// frames that no stage of the timestep reads.
     #[inline]
-    pub(crate) fn pass(&mut self, m: &Model) {
-        self.fit(m);
+    pub(crate) fn begin_substep(&mut self, m: &Model) {
+        self.resize_for(m);
         (self.last, self.contact_forces) = (None, false);
-        (self.behind, self.is_ahead) = (false, false);
+        (self.stale, self.is_ahead) = (false, false);
         self.work.pushed = self.is_pushed();
         self.work.skips = true;
     }
 
     /// Stores the state from which the second half of a step starts, in addition to the state of
     /// the first half.
-    pub(crate) fn go_on(&mut self, m: &Model) {
+    pub(crate) fn continue_step(&mut self, m: &Model) {
         if !matches!(self.last, Some(Call::Step1 | Call::Forward)) {
-            return self.begin(m, Call::Step2);
+            return self.begin_call(m, Call::Step2);
         }
         (self.last, self.contact_forces) = (Some(Call::Step2), false);
         self.work.pushed = self.is_pushed();
@@ -554,7 +560,7 @@ impl Data {
     }
 
     /// Resizes every array to the sizes of the model. Arrays of the right length do not change.
-    pub(crate) fn fit(&mut self, m: &Model) {
+    pub(crate) fn resize_for(&mut self, m: &Model) {
         if self.work.fits(m) {
             return;
         }

@@ -80,7 +80,7 @@ fn read_axes(cdof: &[Vec6], depths: &[usize], axes: &mut [[Lanes; 6]]) -> usize 
 #[inline(always)]
 pub(crate) fn crb_of<N: Number>(
     m: &Model,
-    at: N::Place,
+    at: N::At,
     composite: Composite<'_, N::Cell>,
     mut begin: impl FnMut(usize, &[N; 6], &mut [N::Cell]) -> bool,
 ) {

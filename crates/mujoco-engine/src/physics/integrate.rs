@@ -20,7 +20,7 @@ pub fn integrate_pos(m: &Model, qpos: &mut [f64], qvel: &[f64], dt: f64) {
 #[inline(always)]
 pub(super) fn integrate_pos_of<N: Number>(
     m: &Model,
-    at: N::Place,
+    at: N::At,
     qpos: &mut [N::Cell],
     qvel: &[N::Cell],
     dt: f64,

@@ -58,7 +58,7 @@ pub(super) fn find_frames(m: &Model, d: &mut Data) {
 #[inline(always)]
 pub(crate) fn kinematics_of<N: Number>(
     m: &Model,
-    place: N::Place,
+    place: N::At,
     frames: Frames<'_, N::Cell>,
     whole: bool,
 ) {
@@ -69,12 +69,7 @@ pub(crate) fn kinematics_of<N: Number>(
 }
 
 #[inline(always)]
-fn in_order<N: Number, O: Order>(
-    m: &Model,
-    at: N::Place,
-    frames: Frames<'_, N::Cell>,
-    whole: bool,
-) {
+fn in_order<N: Number, O: Order>(m: &Model, at: N::At, frames: Frames<'_, N::Cell>, whole: bool) {
     // slices of equal length let the compiler check an index once for all of them
     let (f, plan, n) = (frames, m.plan(), m.nbody());
     let bodies = &plan.bodies[..n];
@@ -196,7 +191,7 @@ type Body<'a, C> = (&'a [C; 3], &'a [C; 4], &'a [C; 9]);
 /// Transforms a frame from a body's frame to the world: MuJoCo's `mj_local2Global`.
 #[inline(always)]
 fn local_to_global<N: Number, O: Order>(
-    at: N::Place,
+    at: N::At,
     (xpos, xquat, xmat): Body<'_, N::Cell>,
     pose: &Pose,
     (to_pos, to_mat): (&mut [N::Cell; 3], &mut [N::Cell; 9]),

@@ -129,7 +129,7 @@ pub(crate) enum Call {
 /// # Panics
 /// If the data is of another model.
 pub fn step(m: &Model, d: &mut Data) {
-    d.begin(m, Call::Step);
+    d.begin_call(m, Call::Step);
     advance(m, d);
 }
 
@@ -140,7 +140,7 @@ pub fn step(m: &Model, d: &mut Data) {
 /// # Panics
 /// If the data is of another model.
 pub fn substep(m: &Model, d: &mut Data) {
-    d.pass(m);
+    d.begin_substep(m);
     advance(m, d);
 }
 
@@ -170,7 +170,7 @@ fn advance(m: &Model, d: &mut Data) {
 /// # Panics
 /// If the data is of another model.
 pub fn step1(m: &Model, d: &mut Data) {
-    d.begin(m, Call::Step1);
+    d.begin_call(m, Call::Step1);
     reset_diverged(m, d);
     first_stages(m, d);
     measure(m, d, &[Stage::Position, Stage::Velocity]);
@@ -182,7 +182,7 @@ pub fn step1(m: &Model, d: &mut Data) {
 /// # Panics
 /// If the data is of another model.
 pub fn step2(m: &Model, d: &mut Data) {
-    d.go_on(m);
+    d.continue_step(m);
     last_stages(m, d);
     measure(m, d, &[Stage::Acceleration]);
     if diverged(&d.qacc) {
@@ -198,7 +198,7 @@ pub fn step2(m: &Model, d: &mut Data) {
 /// # Panics
 /// If the data is of another model.
 pub fn forward(m: &Model, d: &mut Data) {
-    d.begin(m, Call::Forward);
+    d.begin_call(m, Call::Forward);
     evaluate(m, d);
     measure(m, d, &ALL);
 }
@@ -208,7 +208,7 @@ pub fn forward(m: &Model, d: &mut Data) {
 /// # Panics
 /// If the data is of another model.
 pub fn inverse(m: &Model, d: &mut Data) {
-    d.begin(m, Call::Inverse);
+    d.begin_call(m, Call::Inverse);
     first_stages(m, d);
     inverse::forces(m, d);
     measure(m, d, &ALL);

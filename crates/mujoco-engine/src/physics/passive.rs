@@ -63,7 +63,7 @@ pub(in crate::physics) fn spring_force<N: Number>(q: N, rest: f64, stiffness: f6
 
 /// The force of a damper at a velocity.
 #[inline(always)]
-pub(in crate::physics) fn damper_force<N: Number>(at: N::Place, velocity: N, damping: f64) -> N {
+pub(in crate::physics) fn damper_force<N: Number>(at: N::At, velocity: N, damping: f64) -> N {
     if damping == 0.0 {
         N::of(at, 0.0)
     } else {
@@ -182,7 +182,7 @@ pub(in crate::physics) struct Medium<'a, C> {
 #[inline(always)]
 pub(in crate::physics) fn box_in_medium<N: Number>(
     m: &Model,
-    at: N::Place,
+    at: N::At,
     (b, edges): (usize, [f64; 3]),
     medium: Medium<'_, N::Cell>,
 ) {

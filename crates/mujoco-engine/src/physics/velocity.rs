@@ -30,7 +30,7 @@ pub fn com_vel(m: &Model, d: &mut Data) {
 
 /// [`com_vel`] for one world or several.
 #[inline(always)]
-pub(crate) fn com_vel_of<N: Number>(m: &Model, at: N::Place, motion: Motion<'_, N::Cell>) {
+pub(crate) fn com_vel_of<N: Number>(m: &Model, at: N::At, motion: Motion<'_, N::Cell>) {
     let plan = m.plan();
     let (qvel, cdof, cdof_dot) = (motion.qvel, motion.cdof, motion.cdof_dot);
     let cvel = &mut motion.cvel[..plan.bodies.len()];
@@ -65,7 +65,7 @@ pub(crate) fn com_vel_of<N: Number>(m: &Model, at: N::Place, motion: Motion<'_, 
 /// The sum of motion axes, each times its velocity: MuJoCo's `mju_mulDofVec`.
 #[inline(always)]
 pub(super) fn along<N: Number>(
-    at: N::Place,
+    at: N::At,
     axes: &[[N::Cell; 6]],
     velocities: &[N::Cell],
     dofs: Range<usize>,
@@ -118,7 +118,7 @@ pub fn rne(m: &Model, d: &mut Data) {
 
 /// [`rne`] for one world or several.
 #[inline(always)]
-pub(crate) fn rne_of<N: Number>(m: &Model, at: N::Place, bias: Bias<'_, N::Cell>) {
+pub(crate) fn rne_of<N: Number>(m: &Model, at: N::At, bias: Bias<'_, N::Cell>) {
     // slices of equal length let the compiler check an index once for all of them
     let (n, nv) = (m.nbody(), m.nv());
     let (acc, force) = (&mut bias.acc[..n], &mut bias.force[..n]);

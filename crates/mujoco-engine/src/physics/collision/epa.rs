@@ -39,7 +39,7 @@ struct Face {
     /// The projection of the origin on the face, and the square of its distance.
     nearest: Vec3,
     square: f64,
-    place: Place,
+    place: Standing,
 }
 
 /// The overlap of two sets.
@@ -54,7 +54,7 @@ pub(super) struct Overlap {
 
 /// Whether a face is a candidate for the nearest face, with the index in the list of candidates.
 #[derive(Clone, Copy, Debug, PartialEq)]
-enum Place {
+enum Standing {
     Candidate(usize),
     Aside,
     Removed,
@@ -95,7 +95,7 @@ impl Polytope {
         }
         self.candidates.extend(0..self.faces.len());
         for (i, face) in self.faces.iter_mut().enumerate() {
-            face.place = Place::Candidate(i);
+            face.place = Standing::Candidate(i);
         }
         let nearest = self.expand(support)?;
         let face = &self.faces[nearest];
@@ -156,7 +156,7 @@ impl Polytope {
             beyond,
             nearest,
             square,
-            place: Place::Aside,
+            place: Standing::Aside,
         });
         square
     }
@@ -413,7 +413,7 @@ impl Polytope {
                     return face.filter(|_| self.revision != Revision::V3_12);
                 }
                 if square >= lower_square && square <= upper_square {
-                    self.faces[first + i].place = Place::Candidate(self.candidates.len());
+                    self.faces[first + i].place = Standing::Candidate(self.candidates.len());
                     self.candidates.push(first + i);
                 }
             }
@@ -427,13 +427,13 @@ impl Polytope {
 
     /// Removes a face; the last candidate takes its place in the list.
     fn remove(&mut self, face: usize) {
-        if let Place::Candidate(place) = self.faces[face].place {
+        if let Standing::Candidate(place) = self.faces[face].place {
             self.candidates.swap_remove(place);
             if let Some(&moved) = self.candidates.get(place) {
-                self.faces[moved].place = Place::Candidate(place);
+                self.faces[moved].place = Standing::Candidate(place);
             }
         }
-        self.faces[face].place = Place::Removed;
+        self.faces[face].place = Standing::Removed;
     }
 
     /// Starting at `face`, removes all faces visible from `w`, and lists the edges to faces that
@@ -443,7 +443,7 @@ impl Polytope {
         let (corners, beyond) = (self.faces[face].corners, self.faces[face].beyond);
         for edge in 0..3 {
             let neighbour = beyond[edge];
-            if edge == 0 || self.faces[neighbour].place != Place::Removed {
+            if edge == 0 || self.faces[neighbour].place != Standing::Removed {
                 self.look_beyond(neighbour, corners[(edge + 1) % 3], w);
             }
         }
@@ -464,7 +464,7 @@ impl Polytope {
             self.remove(face);
             for edge in [(entry + 1) % 3, (entry + 2) % 3] {
                 let neighbour = beyond[edge];
-                if self.faces[neighbour].place != Place::Removed {
+                if self.faces[neighbour].place != Standing::Removed {
                     self.look_beyond(neighbour, corners[(edge + 1) % 3], w);
                 }
             }

@@ -191,7 +191,7 @@ pub(super) fn contact_at(pair: &Pair, index: usize, dist: f64, pos: Vec3, frame:
 /// A contact frame by rows: the normal, a tangent, and their product: MuJoCo's `mju_makeFrame`. The
 /// tangent is `tangent` made orthogonal to the normal, or near y or z if `tangent` is zero.
 #[inline(always)]
-pub(super) fn frame<N: Number>(place: N::Place, normal: [N; 3], tangent: [N; 3]) -> [N; 9] {
+pub(super) fn frame<N: Number>(place: N::At, normal: [N; 3], tangent: [N; 3]) -> [N; 9] {
     let (x, _) = unit(place, normal);
     let near = N::choose(
         dot(tangent, tangent).is_below(0.25),

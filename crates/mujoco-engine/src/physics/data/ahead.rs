@@ -7,15 +7,16 @@ use crate::physics::Call;
 use crate::physics::lanes::{Stride, state_len};
 
 impl Data {
-    /// Whether the derived arrays are older than the last call: several worlds took that step
-    /// together, and only the arrays that their environments read were stored.
+    /// Whether the derived arrays are older than the state: the last step was taken together with
+    /// other worlds, which stores only the arrays that its [`Stride`] reads.
+    /// [`resume`](Self::resume) computes the others.
     #[must_use]
-    pub fn is_behind(&self) -> bool {
-        self.behind
+    pub fn has_stale_arrays(&self) -> bool {
+        self.stale
     }
 
     /// Stores the result of the next step.
-    pub(crate) fn look_ahead(&mut self, record: &[f64]) {
+    pub(crate) fn store_result(&mut self, record: &[f64]) {
         self.ahead.clear();
         self.ahead.extend_from_slice(record);
         self.is_ahead = true;
@@ -30,9 +31,9 @@ impl Data {
             return false;
         }
         if stride.settles {
-            self.fit(m);
+            self.resize_for(m);
         } else {
-            self.begin(m, Call::Step);
+            self.begin_call(m, Call::Step);
         }
         let (mut ahead, d) = (std::mem::take(&mut self.ahead), &mut *self);
         let (after, rest) = ahead.split_at(state_len(m));
@@ -59,24 +60,28 @@ impl Data {
         self.contact_forces = stride.contact_forces;
         if stride.settles {
             ahead.push(self.before.time);
-            self.begin(m, Call::Step1);
+            self.begin_call(m, Call::Step1);
         }
-        (self.ahead, self.is_ahead, self.behind) = (ahead, false, true);
+        (self.ahead, self.is_ahead, self.stale) = (ahead, false, true);
         true
     }
 
-    /// Goes back to the start of the last timestep of a step that was taken together with other
-    /// worlds and [ended](Stride::settles) with a [`step1`](crate::step1). The caller can then
-    /// repeat both.
-    pub fn rewind(&mut self) {
-        let Some(time) = self.ahead.pop().filter(|_| self.behind) else {
-            return;
+    /// Goes back to the start of the last timestep, if the last step was taken together with other
+    /// worlds and [ended](Stride::settles) with a [`step1`](crate::step1). Both can then be
+    /// repeated.
+    pub(super) fn rewind(&mut self) -> bool {
+        if !self.stale || self.last != Some(Call::Step1) {
+            return false;
+        }
+        let Some(time) = self.ahead.pop() else {
+            return false;
         };
         self.time = time;
         let length = self.qpos.len() + 2 * self.qvel.len();
         let vectors = [&mut self.qpos, &mut self.qvel, &mut self.qacc_warmstart];
         put(&self.ahead[length..], vectors);
-        self.behind = false;
+        self.stale = false;
+        true
     }
 }
 

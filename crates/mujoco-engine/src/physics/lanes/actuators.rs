@@ -4,7 +4,7 @@
 use fearless_simd::Simd;
 use gym_numerics::math::{Lanes, Real};
 
-use super::{Arrays, Place, load, same, store};
+use super::{Arrays, At, load, same, store};
 use crate::Model;
 use crate::model::TransmissionType;
 
@@ -46,7 +46,7 @@ pub(super) fn inputs(m: &Model) -> usize {
 
 impl Arrays {
     #[inline(always)]
-    fn tendon_length<S: Simd>(&self, m: &Model, at: Place<S>, tendon: usize) -> Lanes<S> {
+    fn tendon_length<S: Simd>(&self, m: &Model, at: At<S>, tendon: usize) -> Lanes<S> {
         let mut length = same(at, 0.0);
         for (q, _, coefficient) in parts(m, tendon) {
             length = length + load::<S>(at, &self.qpos[q]) * coefficient;
@@ -56,7 +56,7 @@ impl Arrays {
 
     /// Computes the lengths and velocities of the tendons.
     #[inline(always)]
-    pub(super) fn tendons<S: Simd>(&mut self, m: &Model, at: Place<S>) {
+    pub(super) fn tendons<S: Simd>(&mut self, m: &Model, at: At<S>) {
         let paths = &m.plan().paths;
         for t in 0..self.ten_length.len() {
             let length = self.tendon_length(m, at, t);
@@ -74,7 +74,7 @@ impl Arrays {
     /// Computes the actuator forces from controls and positions. Adding a force of zero changes no
     /// bit, because a sum that starts at zero is never -0.
     #[inline(always)]
-    pub(super) fn actuate<S: Simd>(&mut self, m: &Model, at: Place<S>) {
+    pub(super) fn actuate<S: Simd>(&mut self, m: &Model, at: At<S>) {
         for force in &mut self.qfrc_actuator {
             store(at, force, same::<S>(at, 0.0));
         }
@@ -90,7 +90,7 @@ impl Arrays {
             let force = load::<S>(at, &self.input[i]) + bias;
             let (push,) = (
                 #[inline(always)]
-                |row: &mut super::Row, moment: f64| {
+                |row: &mut super::PerWorld, moment: f64| {
                     let sum = load::<S>(at, row) + force * moment;
                     store(at, row, sum);
                 },
@@ -107,7 +107,7 @@ impl Arrays {
 
     /// Adds the spring forces of tendons to `qfrc_passive`.
     #[inline(always)]
-    pub(super) fn add_tendon_springs<S: Simd>(&mut self, m: &Model, at: Place<S>) {
+    pub(super) fn add_tendon_springs<S: Simd>(&mut self, m: &Model, at: At<S>) {
         for &(tendon, stiffness, _) in &m.plan().paths.elastic {
             let length = self.tendon_length(m, at, tendon);
             let [lower, upper] = m.tendon_lengthspring[tendon];

@@ -1,7 +1,7 @@
 //! The step of environments whose worlds step together, and the arrays that an environment reads
 //! after a step.
 
-use super::{Arrays, Row, actuators};
+use super::{Arrays, PerWorld, actuators};
 use crate::{Data, Model};
 
 /// The kind of step of environments whose worlds step together.
@@ -81,7 +81,7 @@ impl Derived {
         }
     }
 
-    pub(super) fn of(self, a: &Arrays) -> &[Row] {
+    pub(super) fn of(self, a: &Arrays) -> &[PerWorld] {
         match self {
             Self::Xpos => a.xpos.as_flattened(),
             Self::Xmat => a.xmat.as_flattened(),

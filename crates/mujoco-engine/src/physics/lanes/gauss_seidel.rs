@@ -4,7 +4,7 @@
 use fearless_simd::Simd;
 use gym_numerics::math::{Lanes, Real};
 
-use super::{Arrays, Place, Row, Rows, copy, load, same, store, tree};
+use super::{Arrays, At, PerWorld, Rows, copy, load, same, store, tree};
 use crate::math::libm::wide;
 use crate::physics::solver::forces_of_one_tree;
 use crate::{Data, Model};
@@ -14,7 +14,7 @@ use crate::{Data, Model};
 pub(super) struct GaussSeidel {
     data: Box<Data>,
     /// The forces of the constraint rows, for all worlds.
-    pub(super) force: Vec<Row>,
+    pub(super) force: Vec<PerWorld>,
 }
 
 impl GaussSeidel {
@@ -26,12 +26,12 @@ impl GaussSeidel {
     }
 
     /// Computes `qacc` and `qfrc_constraint` of the worlds in the register `at`.
-    pub(super) fn solve<S: Simd>(&mut self, m: &Model, at: Place<S>, a: &mut Arrays, rows: &Rows) {
+    pub(super) fn solve<S: Simd>(&mut self, m: &Model, at: At<S>, a: &mut Arrays, rows: &Rows) {
         let (simd, first) = at;
         if self.force.len() < rows.used {
-            self.force.resize(rows.used, Row::default());
+            self.force.resize(rows.used, PerWorld::default());
         }
-        let mut has = Row::ZERO;
+        let mut has = PerWorld::ZERO;
         for world in first..first + Lanes::<S>::LANES {
             if rows.count[world] > 0 {
                 has.0[world] = 1.0;

@@ -186,7 +186,7 @@ impl Group {
     /// [`Data::catch_up`] then takes it over.
     pub fn collect(&self, world: usize, data: &mut Data) {
         if let Some(record) = self.result(world) {
-            data.look_ahead(record);
+            data.store_result(record);
         }
     }
 }

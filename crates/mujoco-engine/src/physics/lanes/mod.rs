@@ -27,8 +27,8 @@ pub(crate) use self::fits::{fits, width};
 use self::gauss_seidel::GaussSeidel;
 pub use self::group::Group;
 use self::newton::Newton;
-use self::row::{Place, copy, load, same, store};
-pub(crate) use self::row::{Row, WORLDS};
+use self::row::{At, copy, load, same, store};
+pub(crate) use self::row::{PerWorld, WORLDS};
 use self::rows::{Rows, worlds};
 pub use self::worlds::Worlds;
 use super::integrate::{PARTS, WEIGHTS, integrate_pos_of};
@@ -142,7 +142,7 @@ impl Batch {
     }
 
     /// Returns the forces of the constraint rows.
-    fn forces_of_rows(&self) -> &[Row] {
+    fn forces_of_rows(&self) -> &[PerWorld] {
         match &self.gauss_seidel {
             Some(gauss_seidel) => &gauss_seidel.force,
             None => self.newton.forces(),
@@ -223,7 +223,7 @@ impl Batch {
 
     /// Advances the worlds in the register by one timestep. `live` has a bit for each world. If
     /// `whole` is false, frames that no stage reads keep their old values.
-    fn one_step<S: Simd>(&mut self, m: &Model, at: Place<S>, live: u64, whole: bool) {
+    fn one_step<S: Simd>(&mut self, m: &Model, at: At<S>, live: u64, whole: bool) {
         let simd = at.0;
         simd.vectorize(
             #[inline(always)]
@@ -257,7 +257,7 @@ impl Batch {
 
     /// Stores the state at the start of the timestep, and resets worlds that diverged.
     #[inline(always)]
-    fn begin<S: Simd>(&mut self, m: &Model, at: Place<S>) {
+    fn begin<S: Simd>(&mut self, m: &Model, at: At<S>) {
         let a = &mut self.arrays;
         let bad = beyond(at, &a.qpos) | beyond(at, &a.qvel);
         for world in worlds(bad, at.1) {
@@ -275,7 +275,7 @@ impl Batch {
     }
 
     /// Runs all stages of [`forward`](crate::forward).
-    fn evaluate<S: Simd>(&mut self, m: &Model, at: Place<S>, live: u64, whole: bool) {
+    fn evaluate<S: Simd>(&mut self, m: &Model, at: At<S>, live: u64, whole: bool) {
         let simd = at.0;
         simd.vectorize(
             #[inline(always)]
@@ -325,7 +325,7 @@ impl Batch {
     /// Ends stage `stage` of the Runge-Kutta method: adds the rates of the stage to the sums, and
     /// moves the state to the next stage.
     #[inline(always)]
-    fn stage<S: Simd>(&mut self, m: &Model, at: Place<S>, stage: usize) {
+    fn stage<S: Simd>(&mut self, m: &Model, at: At<S>, stage: usize) {
         let a = &mut self.arrays;
         let (dt, weight, part) = (m.opt.timestep, WEIGHTS[stage], PARTS[stage]);
         // the time from the start of the timestep to stage `stage`
@@ -363,7 +363,7 @@ impl Batch {
     /// Integrates velocities, then positions: with Euler's method, or with the sums of all
     /// Runge-Kutta stages.
     #[inline(always)]
-    fn integrate<S: Simd>(&mut self, m: &Model, at: Place<S>) {
+    fn integrate<S: Simd>(&mut self, m: &Model, at: At<S>) {
         let a = &mut self.arrays;
         let (dt, runge_kutta) = (m.opt.timestep, m.opt.integrator == Integrator::RK4);
         if runge_kutta {
@@ -393,7 +393,7 @@ impl Batch {
 /// Returns a bit for each world in the register, from the lowest bit: 1 if one of the world's
 /// `numbers` is not finite or exceeds `MAXVAL`.
 #[inline(always)]
-fn beyond<S: Simd>(at: Place<S>, numbers: &[Row]) -> u64 {
+fn beyond<S: Simd>(at: At<S>, numbers: &[PerWorld]) -> u64 {
     let most = same::<S>(at, MAXVAL);
     let mut good = most.le(most);
     for row in numbers {

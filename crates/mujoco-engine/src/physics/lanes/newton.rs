@@ -12,7 +12,7 @@ use gym_numerics::math::{Lanes, Real};
 
 use super::rows::{Rows, worlds};
 use super::tree::{cholesky, cholesky_solve, cholesky_update, dot, multiply, solve};
-use super::{Arrays, Place, Row, WORLDS, load, same, store};
+use super::{Arrays, At, PerWorld, WORLDS, load, same, store};
 use crate::math::spatial::MINVAL;
 use crate::model::{Disable, Solver};
 use crate::physics::solver::line_search;
@@ -23,28 +23,28 @@ type Mask<S> = <Lanes<S> as Real>::Mask;
 /// The buffers of the method.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Newton {
-    acc: Vec<Row>,
-    ma: Vec<Row>,
-    grad: Vec<Row>,
-    mgrad: Vec<Row>,
-    search: Vec<Row>,
-    mv: Vec<Row>,
-    constraint: Vec<Row>,
-    row_update: Vec<Row>,
-    jar: Vec<Row>,
-    jv: Vec<Row>,
-    force: Vec<Row>,
+    acc: Vec<PerWorld>,
+    ma: Vec<PerWorld>,
+    grad: Vec<PerWorld>,
+    mgrad: Vec<PerWorld>,
+    search: Vec<PerWorld>,
+    mv: Vec<PerWorld>,
+    constraint: Vec<PerWorld>,
+    row_update: Vec<PerWorld>,
+    jar: Vec<PerWorld>,
+    jv: Vec<PerWorld>,
+    force: Vec<PerWorld>,
     /// 1 for each row that pushes (its residual `jar` is negative), 0 for the others.
-    pushes: Vec<Row>,
+    pushes: Vec<PerWorld>,
     /// For each row, the cost along the search direction: three coefficients of a polynomial in the
     /// step length, and the cost at step length 0.
-    costs: Vec<[Row; 4]>,
-    hessian: Vec<Row>,
+    costs: Vec<[PerWorld; 4]>,
+    hessian: Vec<PerWorld>,
     /// The Hessians of worlds whose factors are computed again.
-    again: Vec<Row>,
+    again: Vec<PerWorld>,
     /// The Jacobians of the rows that push, times the stiffness of each row; `pushing` has the
     /// indices of these rows.
-    pushed: Vec<Row>,
+    pushed: Vec<PerWorld>,
     pushing: Vec<usize>,
     /// For each world, the rows that became active or inactive in this iteration.
     changed: [Vec<usize>; WORLDS],
@@ -82,13 +82,13 @@ macro_rules! by_four {
 /// Returns elements `first..first + K` of the sum of all vectors, each times its factor.
 #[inline(always)]
 fn sums<'a, S: Simd, const K: usize>(
-    at: Place<S>,
+    at: At<S>,
     first: usize,
-    terms: impl Iterator<Item = (&'a [Row], &'a Row)>,
+    terms: impl Iterator<Item = (&'a [PerWorld], &'a PerWorld)>,
 ) -> [Lanes<S>; K] {
     let mut sums = [same(at, 0.0); K];
     for (vector, factor) in terms {
-        let Some(vector) = vector.get(first..).and_then(<[Row]>::first_chunk::<K>) else {
+        let Some(vector) = vector.get(first..).and_then(<[PerWorld]>::first_chunk::<K>) else {
             break;
         };
         let factor = load::<S>(at, factor);
@@ -100,7 +100,7 @@ fn sums<'a, S: Simd, const K: usize>(
 }
 
 /// The result of a line search: for each world, the step length and the improvement of the cost.
-type Found = [Row; 2];
+type Found = [PerWorld; 2];
 
 impl Newton {
     pub(super) fn new(m: &Model) -> Self {
@@ -108,8 +108,8 @@ impl Newton {
             return Self::default();
         }
         let (nv, rows) = (m.nv(), m.plan().bounds().rows);
-        let dofs = || vec![Row::ZERO; nv];
-        let of_rows = || vec![Row::ZERO; rows];
+        let dofs = || vec![PerWorld::ZERO; nv];
+        let of_rows = || vec![PerWorld::ZERO; rows];
         Self {
             acc: dofs(),
             ma: dofs(),
@@ -123,10 +123,10 @@ impl Newton {
             jv: of_rows(),
             force: of_rows(),
             pushes: of_rows(),
-            costs: vec![[Row::ZERO; 4]; rows],
-            hessian: vec![Row::ZERO; nv * nv],
-            again: vec![Row::ZERO; nv * nv],
-            pushed: vec![Row::ZERO; rows * nv],
+            costs: vec![[PerWorld::ZERO; 4]; rows],
+            hessian: vec![PerWorld::ZERO; nv * nv],
+            again: vec![PerWorld::ZERO; nv * nv],
+            pushed: vec![PerWorld::ZERO; rows * nv],
             pushing: Vec::with_capacity(rows),
             changed: std::array::from_fn(|_| Vec::with_capacity(rows)),
             line: Vec::with_capacity(rows),
@@ -134,7 +134,7 @@ impl Newton {
     }
 
     /// Returns the forces of the constraint rows.
-    pub(super) fn forces(&self) -> &[Row] {
+    pub(super) fn forces(&self) -> &[PerWorld] {
         &self.force
     }
 
@@ -143,13 +143,13 @@ impl Newton {
     pub(super) fn solve<S: Simd>(
         &mut self,
         m: &Model,
-        at: Place<S>,
+        at: At<S>,
         a: &mut Arrays,
         rows: &Rows,
         live: u64,
     ) {
         let simd = at.0;
-        let mut has = Row::ZERO;
+        let mut has = PerWorld::ZERO;
         for world in worlds(live, at.1) {
             has.0[world] = f64::from(rows.count[world] > 0);
         }
@@ -176,7 +176,7 @@ impl Newton {
     /// Starts at the last step's accelerations, or at the accelerations without constraints if
     /// these have a lower cost.
     #[inline(always)]
-    fn start<S: Simd>(&mut self, m: &Model, at: Place<S>, a: &Arrays, rows: &Rows) {
+    fn start<S: Simd>(&mut self, m: &Model, at: At<S>, a: &Arrays, rows: &Rows) {
         let (n, zero) = (m.nv(), same::<S>(at, 0.0));
         // `jv` holds the residuals without constraints here; later it holds `J search`
         rows.multiply(n, at, &a.qacc_smooth, Some(&rows.aref), &mut self.jv);
@@ -184,7 +184,7 @@ impl Newton {
         multiply(m, at, &a.qm, &a.warm, &mut self.ma);
         let (cost,) = (
             #[inline(always)]
-            |jar: &[Row]| {
+            |jar: &[PerWorld]| {
                 let mut cost = zero;
                 for (jar, d) in jar[..rows.used].iter().zip(&rows.d) {
                     let (jar, d): (Lanes<S>, Lanes<S>) = (load(at, jar), load(at, d));
@@ -219,7 +219,7 @@ impl Newton {
     }
 
     #[inline(always)]
-    fn iterate<S: Simd>(&mut self, m: &Model, at: Place<S>, a: &Arrays, rows: &Rows, has: &Row) {
+    fn iterate<S: Simd>(&mut self, m: &Model, at: At<S>, a: &Arrays, rows: &Rows, has: &PerWorld) {
         let (simd, n) = (at.0, m.nv());
         let mut control = Control {
             active: *has,
@@ -249,7 +249,7 @@ impl Newton {
                     || self.make_hessian(m, at, a, rows, None),
                 );
             } else {
-                let mut again = Row::ZERO;
+                let mut again = PerWorld::ZERO;
                 let anew = simd.vectorize(
                     #[inline(always)]
                     || self.update_hessian(m, at, rows, &control.active, &mut again),
@@ -268,7 +268,7 @@ impl Newton {
             if !go_on {
                 return;
             }
-            let mut found = [Row::ZERO; 2];
+            let mut found = [PerWorld::ZERO; 2];
             let stuck = simd.vectorize(
                 #[inline(always)]
                 || self.search(m, at, a, rows, &control, &mut found),
@@ -286,7 +286,7 @@ impl Newton {
 
     /// Computes the forces of the rows, the resulting forces on the joints, and the gradient.
     #[inline(always)]
-    fn update<S: Simd>(&mut self, m: &Model, at: Place<S>, a: &Arrays, rows: &Rows) {
+    fn update<S: Simd>(&mut self, m: &Model, at: At<S>, a: &Arrays, rows: &Rows) {
         let (n, zero) = (m.nv(), same::<S>(at, 0.0));
         for row in 0..rows.used {
             let jar = load(at, &self.jar[row]);
@@ -308,7 +308,7 @@ impl Newton {
 
     /// Returns the scaled reduction of the cost that a full Newton step predicts.
     #[inline(always)]
-    fn decrement<S: Simd>(&self, at: Place<S>, scale: Lanes<S>) -> Lanes<S> {
+    fn decrement<S: Simd>(&self, at: At<S>, scale: Lanes<S>) -> Lanes<S> {
         let x = scale * 0.5 * dot(at, &self.grad, &self.mgrad);
         let zero = x.same(0.0);
         Lanes::select(x.gt(zero), x, zero)
@@ -317,13 +317,7 @@ impl Newton {
     /// Stops worlds with a small gradient or a small last improvement. Returns whether any world
     /// continues.
     #[inline(always)]
-    fn check<S: Simd>(
-        &mut self,
-        m: &Model,
-        at: Place<S>,
-        a: &Arrays,
-        control: &mut Control,
-    ) -> bool {
+    fn check<S: Simd>(&mut self, m: &Model, at: At<S>, a: &Arrays, control: &mut Control) -> bool {
         let tolerance = same(at, m.opt.tolerance);
         let (scale, zero) = (load::<S>(at, &control.scale), same(at, 0.0));
         let active: Mask<S> = load::<S>(at, &control.active).gt(zero);
@@ -349,7 +343,7 @@ impl Newton {
     /// Computes the search direction. Stops worlds with a small predicted improvement. Returns
     /// whether any world continues.
     #[inline(always)]
-    fn direction<S: Simd>(&mut self, m: &Model, at: Place<S>, control: &mut Control) -> bool {
+    fn direction<S: Simd>(&mut self, m: &Model, at: At<S>, control: &mut Control) -> bool {
         let n = m.nv();
         self.mgrad.copy_from_slice(&self.grad);
         let descending = m.revision == Revision::V4_0;
@@ -374,10 +368,10 @@ impl Newton {
     fn make_hessian<S: Simd>(
         &mut self,
         m: &Model,
-        at: Place<S>,
+        at: At<S>,
         a: &Arrays,
         rows: &Rows,
-        which: Option<&Row>,
+        which: Option<&PerWorld>,
     ) {
         let (n, plan, zero) = (m.nv(), m.plan(), same::<S>(at, 0.0));
         self.pushing.clear();
@@ -436,10 +430,10 @@ impl Newton {
     fn update_hessian<S: Simd>(
         &mut self,
         m: &Model,
-        at: Place<S>,
+        at: At<S>,
         rows: &Rows,
-        active: &Row,
-        again: &mut Row,
+        active: &PerWorld,
+        again: &mut PerWorld,
     ) -> bool {
         let (n, zero) = (m.nv(), same::<S>(at, 0.0));
         let (one, first) = (zero.same(1.0), at.1);
@@ -466,7 +460,7 @@ impl Newton {
         let mut indefinite = zero.lt(zero);
         // in each round, update every world for its next changed row
         for round in 0..most {
-            let (mut which, mut adds) = (Row::ZERO, Row::ZERO);
+            let (mut which, mut adds) = (PerWorld::ZERO, PerWorld::ZERO);
             for world in first..first + Lanes::<S>::LANES {
                 let Some(&row) = self.changed[world].get(round) else {
                     continue;
@@ -493,7 +487,7 @@ impl Newton {
     #[inline(always)]
     fn advance<S: Simd>(
         &mut self,
-        at: Place<S>,
+        at: At<S>,
         rows: &Rows,
         control: &mut Control,
         found: &Found,
@@ -507,7 +501,7 @@ impl Newton {
         control.iteration += 1;
         let (step,) = (
             #[inline(always)]
-            |to: &mut [Row], along: &[Row]| {
+            |to: &mut [PerWorld], along: &[PerWorld]| {
                 for (to, along) in to.iter_mut().zip(along) {
                     let before = load::<S>(at, to);
                     let after = before + load::<S>(at, along) * alpha;
@@ -527,17 +521,17 @@ impl Newton {
 struct Control {
     iteration: usize,
     /// 1 for each world that continues, 0 for the others.
-    active: Row,
+    active: PerWorld,
     /// 1 for each world whose gradient was small at the start.
-    level: Row,
-    scale: Row,
-    improvement: Row,
+    level: PerWorld,
+    scale: PerWorld,
+    improvement: PerWorld,
 }
 
 impl Control {
     /// Sets `active`, and returns whether any world continues.
     #[inline(always)]
-    fn keep<S: Simd>(&mut self, at: Place<S>, active: Mask<S>) -> bool {
+    fn keep<S: Simd>(&mut self, at: At<S>, active: Mask<S>) -> bool {
         let zero = same::<S>(at, 0.0);
         let ones = Lanes::select(active, zero.same(1.0), zero);
         store(at, &mut self.active, ones);

@@ -11,38 +11,38 @@ pub(crate) const WORLDS: usize = 8;
 /// The value of one variable in every world, one world per lane.
 #[derive(Clone, Copy, Debug)]
 #[repr(align(64))]
-pub struct Row(pub(crate) [f64; WORLDS]);
+pub struct PerWorld(pub(crate) [f64; WORLDS]);
 
-impl Row {
+impl PerWorld {
     pub(super) const ZERO: Self = Self([0.0; WORLDS]);
 }
 
-impl Default for Row {
+impl Default for PerWorld {
     fn default() -> Self {
         Self::ZERO
     }
 }
 
 /// A register: the SIMD token, and the index of the world in the register's first lane.
-pub(super) type Place<S> = (S, usize);
+pub(super) type At<S> = (S, usize);
 
 impl<S: Simd> Number for Lanes<S> {
-    type Place = Place<S>;
-    type Cell = Row;
+    type At = At<S>;
+    type Cell = PerWorld;
     type Mask = <Self as Real>::Mask;
 
     #[inline(always)]
-    fn of(place: Place<S>, x: f64) -> Self {
+    fn of(place: At<S>, x: f64) -> Self {
         same(place, x)
     }
 
     #[inline(always)]
-    fn get(place: Place<S>, cell: &Row) -> Self {
+    fn get(place: At<S>, cell: &PerWorld) -> Self {
         load(place, cell)
     }
 
     #[inline(always)]
-    fn put(self, place: Place<S>, cell: &mut Row) {
+    fn put(self, place: At<S>, cell: &mut PerWorld) {
         store(place, cell, self);
     }
 
@@ -97,26 +97,26 @@ impl<S: Simd> Number for Lanes<S> {
 
 /// Loads the values of the worlds in the register.
 #[inline(always)]
-pub(super) fn load<S: Simd>((simd, at): Place<S>, row: &Row) -> Lanes<S> {
+pub(super) fn load<S: Simd>((simd, at): At<S>, row: &PerWorld) -> Lanes<S> {
     // the mask keeps `at` within the row, so the compiler drops the bounds check
     let at = at & (WORLDS - <Lanes<S> as Real>::LANES);
     <Lanes<S> as Real>::get(simd, &row.0[at..at + <Lanes<S> as Real>::LANES])
 }
 
 #[inline(always)]
-pub(super) fn store<S: Simd>((_, at): Place<S>, row: &mut Row, x: Lanes<S>) {
+pub(super) fn store<S: Simd>((_, at): At<S>, row: &mut PerWorld, x: Lanes<S>) {
     let at = at & (WORLDS - <Lanes<S> as Real>::LANES);
     Real::put(x, &mut row.0[at..at + <Lanes<S> as Real>::LANES]);
 }
 
 #[inline(always)]
-pub(super) fn same<S: Simd>((simd, _): Place<S>, x: f64) -> Lanes<S> {
+pub(super) fn same<S: Simd>((simd, _): At<S>, x: f64) -> Lanes<S> {
     <Lanes<S> as Real>::get(simd, &[x; WORLDS])
 }
 
 /// Copies the values of the worlds in the register.
 #[inline(always)]
-pub(super) fn copy<S: Simd>(at: Place<S>, from: &[Row], to: &mut [Row]) {
+pub(super) fn copy<S: Simd>(at: At<S>, from: &[PerWorld], to: &mut [PerWorld]) {
     for (to, from) in to.iter_mut().zip(from) {
         store(at, to, load::<S>(at, from));
     }

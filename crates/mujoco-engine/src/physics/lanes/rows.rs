@@ -8,7 +8,7 @@ use fearless_simd::Simd;
 use gym_numerics::math::{Lanes, Real};
 
 use super::tree::dot;
-use super::{Arrays, Place, Row, WORLDS, load, same, store};
+use super::{Arrays, At, PerWorld, WORLDS, load, same, store};
 use crate::math::number;
 use crate::math::spatial::{add, column, scale};
 use crate::model::{GeomType, Pair};
@@ -20,15 +20,15 @@ use crate::{Contact, Model};
 #[derive(Clone, Debug, Default)]
 pub(super) struct Rows {
     /// The Jacobians, `nv` numbers for each row.
-    pub(super) jac: Vec<Row>,
+    pub(super) jac: Vec<PerWorld>,
     /// The stiffness of each row: MuJoCo's `efc_D` (inverse constraint mass).
-    pub(super) d: Vec<Row>,
+    pub(super) d: Vec<PerWorld>,
     /// The regularisation of each row: `1 / d`.
-    pub(super) r: Vec<Row>,
-    pub(super) aref: Vec<Row>,
+    pub(super) r: Vec<PerWorld>,
+    pub(super) aref: Vec<PerWorld>,
     /// The reference acceleration is `-damping * velocity - rest`.
-    damping: Vec<Row>,
-    rest: Vec<Row>,
+    damping: Vec<PerWorld>,
+    rest: Vec<PerWorld>,
     /// The number of rows of each world.
     pub(super) count: [usize; WORLDS],
     /// The largest element of `count`.
@@ -40,7 +40,7 @@ pub(super) struct Rows {
     polytope: Polytope,
     /// A buffer: the degrees of freedom that move a contact, each with its column of the contact's
     /// Jacobian.
-    moved: Vec<(usize, [Row; 4])>,
+    moved: Vec<(usize, [PerWorld; 4])>,
 }
 
 /// Iterates over the worlds whose bits are set in `bits`. Bit 0 is world `first`.
@@ -74,13 +74,13 @@ impl Rows {
     /// Makes room for `rows` rows.
     #[cold]
     fn reserve(&mut self, nv: usize, rows: usize) {
-        self.jac.resize(rows * nv, Row::ZERO);
+        self.jac.resize(rows * nv, PerWorld::ZERO);
         for column in self.columns() {
-            column.resize(rows, Row::ZERO);
+            column.resize(rows, PerWorld::ZERO);
         }
     }
 
-    fn columns(&mut self) -> [&mut Vec<Row>; 5] {
+    fn columns(&mut self) -> [&mut Vec<PerWorld>; 5] {
         [
             &mut self.d,
             &mut self.r,
@@ -92,7 +92,7 @@ impl Rows {
 
     /// Builds the rows of the worlds in `live`: limits, then contacts.
     #[inline(always)]
-    pub(super) fn make<S: Simd>(&mut self, m: &Model, at: Place<S>, a: &Arrays, live: u64) {
+    pub(super) fn make<S: Simd>(&mut self, m: &Model, at: At<S>, a: &Arrays, live: u64) {
         let (_, first) = at;
         self.used = 0;
         for world in first..first + Lanes::<S>::LANES {
@@ -108,7 +108,7 @@ impl Rows {
                 if near == 0 {
                     continue;
                 }
-                let mut dists = Row::ZERO;
+                let mut dists = PerWorld::ZERO;
                 store(at, &mut dists, dist);
                 for world in worlds(near, first) {
                     let row = self.open(nv, world);
@@ -125,7 +125,7 @@ impl Rows {
             let [g1, g2] = reach.geom;
             let (part,) = (
                 #[inline(always)]
-                |cells: &[Row], k: usize| -> Lanes<S> { load(at, &cells[k]) },
+                |cells: &[PerWorld], k: usize| -> Lanes<S> { load(at, &cells[k]) },
             );
             let between = [0, 1, 2].map(
                 #[inline(always)]
@@ -165,9 +165,9 @@ impl Rows {
             if row == self.d.len() {
                 self.reserve(nv, 2 * row + 32);
             }
-            self.jac[row * nv..(row + 1) * nv].fill(Row::ZERO);
+            self.jac[row * nv..(row + 1) * nv].fill(PerWorld::ZERO);
             for column in self.columns() {
-                column[row] = Row::ZERO;
+                column[row] = PerWorld::ZERO;
             }
             self.used += 1;
         }
@@ -205,14 +205,7 @@ impl Rows {
     /// Adds the contacts of a plane with a sphere or capsule, and the contacts' rows, in the worlds
     /// in which the geoms are near each other.
     #[inline(always)]
-    fn touch_plane<S: Simd>(
-        &mut self,
-        m: &Model,
-        at: Place<S>,
-        a: &Arrays,
-        index: usize,
-        near: u64,
-    ) {
+    fn touch_plane<S: Simd>(&mut self, m: &Model, at: At<S>, a: &Arrays, index: usize, near: u64) {
         let (pair, nv) = (&m.plan().pairs[index], m.nv());
         if pair.trees == [None, None] {
             return;
@@ -278,12 +271,12 @@ impl Rows {
                 (pos, &frame, mu),
                 #[inline(always)]
                 |dof, values| {
-                    let mut cells = [Row::ZERO; 4];
+                    let mut cells = [PerWorld::ZERO; 4];
                     number::put(at, values, &mut cells);
                     moved.push((dof, cells));
                 },
             );
-            let mut dists = Row::ZERO;
+            let mut dists = PerWorld::ZERO;
             store(at, &mut dists, dist);
             let mut rows = [0; WORLDS];
             for world in worlds(acting, at.1) {
@@ -291,7 +284,7 @@ impl Rows {
             }
             self.put_jacobian(at, nv, pair, acting, &rows);
             if self.keeps {
-                let (mut points, mut frames) = ([Row::ZERO; 3], [Row::ZERO; 9]);
+                let (mut points, mut frames) = ([PerWorld::ZERO; 3], [PerWorld::ZERO; 9]);
                 number::put(at, pos, &mut points);
                 number::put(at, frame, &mut frames);
                 for world in worlds(acting, at.1) {
@@ -312,7 +305,7 @@ impl Rows {
     #[inline(always)]
     fn put_jacobian<S: Simd>(
         &mut self,
-        at: Place<S>,
+        at: At<S>,
         nv: usize,
         pair: &Pair,
         mut left: u64,
@@ -321,7 +314,7 @@ impl Rows {
         let edges = if pair.dim == 1 { 1 } else { 4 };
         while left != 0 {
             let row = rows[at.1 + left.trailing_zeros() as usize];
-            let (mut which, mut bits) = (Row::ZERO, 0_u64);
+            let (mut which, mut bits) = (PerWorld::ZERO, 0_u64);
             for world in worlds(left, at.1) {
                 if rows[world] == row {
                     which.0[world] = 1.0;
@@ -343,7 +336,7 @@ impl Rows {
     #[inline(never)]
     fn touch(&mut self, m: &Model, a: &Arrays, index: usize, world: usize) {
         let (pair, nv) = (&m.plan().pairs[index], m.nv());
-        let of = |cells: &[Row; 3]| cells.each_ref().map(|cell| cell.0[world]);
+        let of = |cells: &[PerWorld; 3]| cells.each_ref().map(|cell| cell.0[world]);
         let mat = |g: usize| a.geom_xmat[g].each_ref().map(|cell| cell.0[world]);
         let mats = pair.geom.map(mat);
         let frames = [0, 1].map(|k| (of(&a.geom_xpos[pair.geom[k]]), &mats[k]));
@@ -380,7 +373,7 @@ impl Rows {
 
     /// Computes the reference accelerations of all rows.
     #[inline(always)]
-    pub(super) fn reference<S: Simd>(&mut self, m: &Model, at: Place<S>, qvel: &[Row]) {
+    pub(super) fn reference<S: Simd>(&mut self, m: &Model, at: At<S>, qvel: &[PerWorld]) {
         let nv = m.nv();
         for row in 0..self.used {
             let vel: Lanes<S> = dot(at, &self.jac[row * nv..(row + 1) * nv], qvel);
@@ -395,10 +388,10 @@ impl Rows {
     pub(super) fn multiply<S: Simd>(
         &self,
         nv: usize,
-        at: Place<S>,
-        x: &[Row],
-        minus: Option<&[Row]>,
-        out: &mut [Row],
+        at: At<S>,
+        x: &[PerWorld],
+        minus: Option<&[PerWorld]>,
+        out: &mut [PerWorld],
     ) {
         for (row, out) in out[..self.used].iter_mut().enumerate() {
             let mut product: Lanes<S> = dot(at, &self.jac[row * nv..(row + 1) * nv], x);

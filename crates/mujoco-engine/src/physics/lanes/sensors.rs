@@ -5,7 +5,7 @@ use std::ops::Range;
 use fearless_simd::Simd;
 use gym_numerics::math::{Lanes, Real};
 
-use super::{Arrays, Batch, Place, Row, load, store};
+use super::{Arrays, At, Batch, PerWorld, load, store};
 use crate::Model;
 use crate::math::number;
 use crate::math::spatial::{
@@ -40,7 +40,7 @@ pub(super) fn touch(m: &Model, numbers: usize) -> bool {
 
 impl Batch {
     /// Computes the frames of the new state and the sensors, for the worlds in the register.
-    pub(super) fn settle<S: Simd>(&mut self, m: &Model, at: Place<S>, len: usize) {
+    pub(super) fn settle<S: Simd>(&mut self, m: &Model, at: At<S>, len: usize) {
         // touch sensors need the forces and contacts of the last timestep, and the frames of its
         // start
         self.touch_sensors(m, at.1..len.min(at.1 + Lanes::<S>::LANES));
@@ -91,7 +91,7 @@ impl Arrays {
     /// Computes the sensors of positions and velocities in the first `numbers` elements of
     /// `sensordata`.
     #[inline(always)]
-    pub(super) fn measure<S: Simd>(&mut self, m: &Model, at: Place<S>, numbers: usize) {
+    pub(super) fn measure<S: Simd>(&mut self, m: &Model, at: At<S>, numbers: usize) {
         if read(m, numbers).any(|i| m.sensor_type[i] == SensorType::SubtreeLinVel) {
             self.subtree_velocities(m, at);
         }
@@ -119,9 +119,9 @@ impl Arrays {
     fn velocity<S: Simd>(
         &self,
         m: &Model,
-        at: Place<S>,
+        at: At<S>,
         body: usize,
-        pos: &[Row; 3],
+        pos: &[PerWorld; 3],
     ) -> [Lanes<S>; 6] {
         if fixed(m, body) {
             return number::of(at, [0.0; 6]);
@@ -133,7 +133,7 @@ impl Arrays {
 
     /// Returns the angular and linear velocity of a site, in the site's axes.
     #[inline(always)]
-    fn of_site<S: Simd>(&self, m: &Model, at: Place<S>, site: usize) -> [Lanes<S>; 6] {
+    fn of_site<S: Simd>(&self, m: &Model, at: At<S>, site: usize) -> [Lanes<S>; 6] {
         let body = m.site_bodyid[site];
         let velocity = self.velocity(m, at, body, &self.site_xpos[site]);
         if fixed(m, body) {
@@ -146,7 +146,7 @@ impl Arrays {
     /// Computes the velocities of the subtrees' centres of mass. The results are in the buffer
     /// `force`.
     #[inline(always)]
-    fn subtree_velocities<S: Simd>(&mut self, m: &Model, at: Place<S>) {
+    fn subtree_velocities<S: Simd>(&mut self, m: &Model, at: At<S>) {
         for b in 0..m.nbody() {
             let velocity = self.velocity(m, at, b, &self.xipos[b]);
             let momentum = scale(translation(&velocity), m.body_mass[b]);
@@ -165,7 +165,7 @@ impl Arrays {
     }
 
     #[inline(always)]
-    fn linear<S: Simd>(&self, at: Place<S>, body: usize) -> [Lanes<S>; 3] {
+    fn linear<S: Simd>(&self, at: At<S>, body: usize) -> [Lanes<S>; 3] {
         [3, 4, 5].map(
             #[inline(always)]
             |k| load(at, &self.force[body][k]),
@@ -173,7 +173,7 @@ impl Arrays {
     }
 
     #[inline(always)]
-    fn put_linear<S: Simd>(&mut self, at: Place<S>, body: usize, velocity: [Lanes<S>; 3]) {
+    fn put_linear<S: Simd>(&mut self, at: At<S>, body: usize, velocity: [Lanes<S>; 3]) {
         for (row, x) in self.force[body][3..].iter_mut().zip(velocity) {
             store(at, row, x);
         }

@@ -3,7 +3,7 @@
 use fearless_simd::Simd;
 use gym_numerics::math::{Lanes, Real};
 
-use super::{Arrays, Place, Row, WORLDS, copy, load, same, store, tree};
+use super::{Arrays, At, PerWorld, WORLDS, copy, load, same, store, tree};
 use crate::model::JointType;
 use crate::physics::com::{Inertias, com_pos_of};
 use crate::physics::inertia::{Composite, crb_of};
@@ -16,14 +16,14 @@ use crate::{Model, Revision};
 impl Arrays {
     /// Computes frames and inertias; `whole` as in [`frames`](Self::frames).
     #[inline(always)]
-    pub(super) fn positions<S: Simd>(&mut self, m: &Model, at: Place<S>, whole: bool) {
+    pub(super) fn positions<S: Simd>(&mut self, m: &Model, at: At<S>, whole: bool) {
         self.frames(m, at, whole);
         self.inertias(m, at);
     }
 
     /// Computes frames. If `whole` is false, computes only the frames that later stages read.
     #[inline(always)]
-    pub(super) fn frames<S: Simd>(&mut self, m: &Model, at: Place<S>, whole: bool) {
+    pub(super) fn frames<S: Simd>(&mut self, m: &Model, at: At<S>, whole: bool) {
         let frames = Frames {
             qpos: &self.qpos,
             mocap_pos: &self.mocap_pos,
@@ -45,7 +45,7 @@ impl Arrays {
 
     /// Computes inertias about the trees' centres of mass.
     #[inline(always)]
-    pub(super) fn inertias<S: Simd>(&mut self, m: &Model, at: Place<S>) {
+    pub(super) fn inertias<S: Simd>(&mut self, m: &Model, at: At<S>) {
         let inertias = Inertias {
             xmat: &self.xmat,
             xipos: &self.xipos,
@@ -61,7 +61,7 @@ impl Arrays {
 
     /// Computes the inertia matrix and its factors.
     #[inline(always)]
-    pub(super) fn matrix<S: Simd>(&mut self, m: &Model, at: Place<S>) {
+    pub(super) fn matrix<S: Simd>(&mut self, m: &Model, at: At<S>) {
         let composite = Composite {
             cinert: &self.cinert,
             cdof: &self.cdof,
@@ -94,7 +94,7 @@ impl Arrays {
     /// Computes velocities, the forces that depend on them, and the accelerations without
     /// constraints.
     #[inline(always)]
-    pub(super) fn velocities<S: Simd>(&mut self, m: &Model, at: Place<S>) {
+    pub(super) fn velocities<S: Simd>(&mut self, m: &Model, at: At<S>) {
         self.motions(m, at);
         let bias = Bias {
             qvel: &self.qvel,
@@ -124,7 +124,7 @@ impl Arrays {
 
     /// Computes the velocities of bodies.
     #[inline(always)]
-    pub(super) fn motions<S: Simd>(&mut self, m: &Model, at: Place<S>) {
+    pub(super) fn motions<S: Simd>(&mut self, m: &Model, at: At<S>) {
         let motion = Motion {
             qvel: &self.qvel,
             cdof: &self.cdof,
@@ -136,7 +136,7 @@ impl Arrays {
 
     /// Computes the forces of springs and dampers.
     #[inline(always)]
-    fn passive<S: Simd>(&mut self, m: &Model, at: Place<S>) {
+    fn passive<S: Simd>(&mut self, m: &Model, at: At<S>) {
         let plan = m.plan();
         for force in &mut self.qfrc_passive {
             store(at, force, same::<S>(at, 0.0));
@@ -180,7 +180,7 @@ impl Arrays {
     /// Computes the rates of change of the positions from the velocities of a Runge-Kutta stage,
     /// which is `way` seconds after the start of the timestep.
     #[inline(always)]
-    pub(super) fn stage_rates<S: Simd>(&mut self, m: &Model, at: Place<S>, way: f64) {
+    pub(super) fn stage_rates<S: Simd>(&mut self, m: &Model, at: At<S>, way: f64) {
         let first = at.1;
         let turns = m.revision == Revision::V4_0 && way != 0.0;
         let free = (0..m.njnt()).filter(|&j| turns && m.jnt_type[j] == JointType::Free);
@@ -195,7 +195,7 @@ impl Arrays {
                 .skip(first)
                 .take(<Lanes<S> as Real>::LANES)
             {
-                let three = |rows: &[Row]| [0, 1, 2].map(|k| rows[v + k].0[world]);
+                let three = |rows: &[PerWorld]| [0, 1, 2].map(|k| rows[v + k].0[world]);
                 let turn = three(&self.rates).map(|rate| rate * way);
                 *turned = rate_of_turn(turn, three(&self.qvel));
             }

@@ -68,7 +68,7 @@ fn all() -> impl Iterator<Item = (String, Arc<Model>)> {
 macro_rules! same {
     ($worlds:ident, $world:ident, $data:ident, $what:expr, $($name:ident)+) => {$(
         for (rows, numbers) in $worlds.$name.iter().zip(&$data.$name) {
-            let rows: &[Row] = rows;
+            let rows: &[PerWorld] = rows;
             for (row, x) in rows.iter().zip(numbers) {
                 assert_eq!(row.0[$world].to_bits(), x.to_bits(), "{} {}", stringify!($name), $what);
             }

@@ -5,7 +5,7 @@
 use fearless_simd::Simd;
 use gym_numerics::math::{Lanes, Real};
 
-use super::{Place, Row, load, same, store};
+use super::{At, PerWorld, load, same, store};
 use crate::Model;
 
 /// Returns the sum of `count` products in the order of [`dot`](crate::math::dense::dot). The sum
@@ -13,7 +13,7 @@ use crate::Model;
 /// the same bits, because the total of the other products starts at zero and is never -0.
 #[inline(always)]
 pub(super) fn sum<S: Simd>(
-    at: Place<S>,
+    at: At<S>,
     count: usize,
     product: impl Fn(usize) -> Lanes<S>,
 ) -> Lanes<S> {
@@ -35,7 +35,7 @@ pub(super) fn sum<S: Simd>(
 
 /// Returns the scalar product of two vectors, in the order of [`sum`].
 #[inline(always)]
-pub(super) fn dot<S: Simd>(at: Place<S>, a: &[Row], b: &[Row]) -> Lanes<S> {
+pub(super) fn dot<S: Simd>(at: At<S>, a: &[PerWorld], b: &[PerWorld]) -> Lanes<S> {
     let ((a, a_rest), (b, b_rest)) = (a.as_chunks::<4>(), b.as_chunks::<4>());
     let zero = same(at, 0.0);
     let mut sums = [zero; 4];
@@ -56,8 +56,8 @@ pub(super) fn dot<S: Simd>(at: Place<S>, a: &[Row], b: &[Row]) -> Lanes<S> {
 #[inline(always)]
 pub(super) fn factor<S: Simd, const K: usize>(
     m: &Model,
-    at: Place<S>,
-    mut matrices: [(&mut [Row], &mut [Row]); K],
+    at: At<S>,
+    mut matrices: [(&mut [PerWorld], &mut [PerWorld]); K],
 ) {
     let plan = m.plan();
     for k in (0..m.nv()).rev() {
@@ -86,10 +86,10 @@ pub(super) fn factor<S: Simd, const K: usize>(
 #[inline(always)]
 pub(super) fn solve<S: Simd>(
     m: &Model,
-    at: Place<S>,
-    factors: &[Row],
-    inverses: &[Row],
-    x: &mut [Row],
+    at: At<S>,
+    factors: &[PerWorld],
+    inverses: &[PerWorld],
+    x: &mut [PerWorld],
 ) {
     let (plan, n) = (m.plan(), m.nv());
     let x = &mut x[..n];
@@ -130,7 +130,13 @@ pub(super) fn solve<S: Simd>(
 
 /// Writes `M x` to `y`.
 #[inline(always)]
-pub(super) fn multiply<S: Simd>(m: &Model, at: Place<S>, qm: &[Row], x: &[Row], y: &mut [Row]) {
+pub(super) fn multiply<S: Simd>(
+    m: &Model,
+    at: At<S>,
+    qm: &[PerWorld],
+    x: &[PerWorld],
+    y: &mut [PerWorld],
+) {
     let (plan, n) = (m.plan(), m.nv());
     let (x, y) = (&x[..n], &mut y[..n]);
     for i in 0..n {
@@ -150,7 +156,7 @@ pub(super) fn multiply<S: Simd>(m: &Model, at: Place<S>, qm: &[Row], x: &[Row], 
 /// Replaces the lower triangle of a matrix of `n` rows, stored by columns, by its Cholesky factor:
 /// MuJoCo's `mju_cholFactor`.
 #[inline(always)]
-pub(super) fn cholesky<S: Simd>(at: Place<S>, n: usize, matrix: &mut [Row], least: f64) {
+pub(super) fn cholesky<S: Simd>(at: At<S>, n: usize, matrix: &mut [PerWorld], least: f64) {
     for j in 0..n {
         let (before, column) = matrix.split_at_mut(j * n);
         let column = &mut column[..n];
@@ -203,10 +209,10 @@ pub(super) fn cholesky<S: Simd>(at: Place<S>, n: usize, matrix: &mut [Row], leas
 /// the back substitution.
 #[inline(always)]
 pub(super) fn cholesky_solve<S: Simd>(
-    at: Place<S>,
+    at: At<S>,
     n: usize,
-    factor: &[Row],
-    x: &mut [Row],
+    factor: &[PerWorld],
+    x: &mut [PerWorld],
     descending: bool,
 ) {
     let x = &mut x[..n];
@@ -236,10 +242,10 @@ pub(super) fn cholesky_solve<S: Simd>(
 /// MuJoCo's `mju_cholUpdate`. Returns the lanes where the result is not positive definite.
 #[inline(always)]
 pub(super) fn cholesky_update<S: Simd>(
-    at: Place<S>,
+    at: At<S>,
     n: usize,
-    factor: &mut [Row],
-    x: &mut [Row],
+    factor: &mut [PerWorld],
+    x: &mut [PerWorld],
     (which, adds): (<Lanes<S> as Real>::Mask, <Lanes<S> as Real>::Mask),
     least: f64,
 ) -> <Lanes<S> as Real>::Mask {

@@ -8,7 +8,7 @@ use crate::Model;
 use crate::math::spatial::MINVAL;
 use crate::physics::lanes::rows::{Rows, worlds};
 use crate::physics::lanes::tree::{dot, multiply};
-use crate::physics::lanes::{Arrays, Place, Row, load, same, store};
+use crate::physics::lanes::{Arrays, At, PerWorld, load, same, store};
 use crate::physics::solver::line_search;
 
 impl Newton {
@@ -20,12 +20,12 @@ impl Newton {
     pub(super) fn search<S: Simd>(
         &mut self,
         m: &Model,
-        at: Place<S>,
+        at: At<S>,
         a: &Arrays,
         rows: &Rows,
         control: &Control,
         found: &mut Found,
-    ) -> (u64, [Row; 3]) {
+    ) -> (u64, [PerWorld; 3]) {
         let (n, zero) = (m.nv(), same::<S>(at, 0.0));
         let active: Mask<S> = load::<S>(at, &control.active).gt(zero);
         let length = dot(at, &self.search, &self.search).sqrt();
@@ -100,7 +100,7 @@ impl Newton {
         }
         store(at, &mut found[0], Lanes::select(active, alpha, zero));
         store(at, &mut found[1], -cost);
-        let mut along = [Row::ZERO; 3];
+        let mut along = [PerWorld::ZERO; 3];
         for (to, x) in along.iter_mut().zip([linear, quadratic, flat]) {
             store(at, to, x);
         }
@@ -113,14 +113,14 @@ impl Newton {
         &mut self,
         m: &Model,
         rows: &Rows,
-        (stuck, along): (u64, [Row; 3]),
+        (stuck, along): (u64, [PerWorld; 3]),
         found: &mut Found,
         first: usize,
     ) {
         for world in worlds(stuck, first) {
             self.line.clear();
             for row in 0..rows.count[world] {
-                let of = |vector: &[Row]| vector[row].0[world];
+                let of = |vector: &[PerWorld]| vector[row].0[world];
                 let row = line_search::Row::new(of(&self.jar), of(&self.jv), of(&rows.d));
                 self.line.push(row);
             }

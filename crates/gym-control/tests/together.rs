@@ -1,6 +1,7 @@
 //! Groups that step together have the bits of worlds that step one by one.
 
 use fearless_simd::Level;
+use gym_control as _;
 use gym_core::vector::lockstep::{Lockstep, Together};
 use gym_core::vector::{Autoreset, Columns, VectorKind};
 use gym_core::{Array, Env, EnvExt, Value, VectorEnvExt, builder, registry};
@@ -12,7 +13,9 @@ use mujoco_engine::Data;
 fn ids() -> impl Iterator<Item = String> {
     let own = registry::all().into_iter();
     let own = own.filter(|entry| entry.source.package == "gym-control");
-    own.map(|entry| entry.id().to_owned())
+    let ids: Vec<String> = own.map(|entry| entry.id().to_owned()).collect();
+    assert_eq!(ids.len(), 39);
+    ids.into_iter()
 }
 
 /// Returns SIMD levels of this CPU with registers of several widths.

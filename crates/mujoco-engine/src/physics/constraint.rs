@@ -1,19 +1,12 @@
-//! Constraint rows: limits of joints and contacts, their Jacobians, impedances and reference
-//! accelerations.
+//! The arrays of constraint rows, and the islands that constraints form. [`rows`](super::rows) fills
+//! them.
 //!
-//! Rows belong to blocks. A limit has one row, and so has a contact without friction. A contact
-//! with friction has four rows, one for each edge of its pyramid: `n + mu t1`, `n - mu t1`,
-//! `n + mu t2` and `n - mu t2`, where `n`, `t1` and `t2` are the Jacobians of the normal and the
-//! two tangents. Rows are dense, because libmujoco sums over zeros too; see
-//! [`dense`](super::dense).
+//! Rows belong to blocks, one for each constraint. They are dense, because libmujoco sums over zeros
+//! too; see [`dense`](crate::math::dense).
 
 use super::bias;
-use super::rows;
 use crate::math::dense::{self, Lanes};
-use crate::math::libm;
-use crate::math::number::Number;
-use crate::math::spatial::{add, cross, dot, rotate, sub};
-use crate::model::{Bounds, Cone, Disable, Pair, Softness};
+use crate::model::{Bounds, Disable};
 use crate::{Data, Model};
 
 /// The constraints of the last forward call: MuJoCo's `efc_*` arrays.
@@ -81,8 +74,8 @@ pub(crate) enum Kind {
     Equality,
     /// In both directions, up to the friction loss.
     Friction,
-    /// Inequality: forces are not negative.
-    Limit,
+    /// In one direction: forces are not negative.
+    OneSided,
     /// Inequality: the force is within an elliptic friction cone.
     Cone,
 }
@@ -160,7 +153,7 @@ impl Constraints {
         numbers: impl Fn(usize) -> [f64; 3],
     ) {
         self.clear();
-        push_block(self, Source::Limit(0), Kind::Limit, rows, self.stride, 0);
+        push_block(self, Source::Limit(0), Kind::OneSided, rows, self.stride, 0);
         self.nisland = 1;
         self.island.resize(rows, 0);
         for column in columns!(self) {
@@ -228,56 +221,6 @@ pub(crate) fn mul_jacobian(
     }
 }
 
-/// Builds all rows: MuJoCo's `mj_makeConstraint`, with `mj_referenceConstraint` once velocities are
-/// known.
-#[inline(always)]
-pub fn make_constraint(m: &Model, d: &mut Data) {
-    d.efc.clear();
-    if m.plan().constraints.can_pull() {
-        rows::equality(m, d);
-        rows::friction(m, d);
-    }
-    limits(m, d);
-    if m.ntendon() > 0 {
-        rows::tendon_limits(m, d);
-    }
-    contacts(m, d);
-    let efc = &mut d.efc;
-    let rows = efc.nefc();
-    for column in [&mut efc.vel, &mut efc.aref, &mut efc.b, &mut efc.force] {
-        column.resize(rows, 0.0);
-    }
-    efc.island.resize(rows, 0);
-    islands(m, d);
-}
-
-/// Adds the rows of active joint limits: MuJoCo's `mj_instantiateLimit`.
-#[inline(always)]
-fn limits(m: &Model, d: &mut Data) {
-    for limit in &m.plan().limits {
-        if limit.ball {
-            rows::ball_limit(m, d, limit);
-            continue;
-        }
-        let q = d.qpos[limit.qpos];
-        let dists = [q - limit.range[0], limit.range[1] - q];
-        // most limits are far
-        if !dists.iter().any(|dist| *dist < limit.margin) {
-            continue;
-        }
-        for (side, dist) in [1.0, -1.0].into_iter().zip(dists) {
-            if dist < limit.margin {
-                let efc = &mut d.efc;
-                let source = Source::Limit(limit.joint);
-                let groups = limit.dof / 4 + 1;
-                let row = push_block(efc, source, Kind::Limit, 1, groups, limit.tree);
-                set_row(efc, row, limit.dof, side);
-                push_row(efc, (&limit.softness, limit.diag), dist, limit.margin);
-            }
-        }
-    }
-}
-
 /// Adds a block whose rows are zero, and returns its first row.
 #[inline(always)]
 pub(super) fn push_block(
@@ -308,196 +251,6 @@ pub(super) fn set_row(efc: &mut Constraints, row: usize, dof: usize, value: f64)
     efc.jac[row * efc.stride..].as_flattened_mut()[dof] = value;
 }
 
-/// Adds the rows of active contacts: MuJoCo's `mj_instantiateContact`.
-#[inline(always)]
-fn contacts(m: &Model, d: &mut Data) {
-    for index in 0..d.contact.len() {
-        let contact = &mut d.contact[index];
-        if contact.dist >= contact.includemargin {
-            continue;
-        }
-        let pair = &m.plan().pairs[contact.pair];
-        let Some(tree) = pair.trees[0].or(pair.trees[1]) else {
-            continue;
-        };
-        let efc = &mut d.efc;
-        contact.efc_address = efc.nefc() as i32;
-        let uneven = contact.friction[0] != contact.friction[1];
-        if contact.dim > 3 || uneven || m.opt.cone == Cone::Elliptic || m.opt.impratio != 1.0 {
-            let place = (index, pair, tree);
-            rows::contact(m, &d.cdof, &d.subtree_com, efc, contact, place);
-            continue;
-        }
-        let rows = if contact.dim == 1 { 1 } else { 4 };
-        let mu = if rows == 1 { 0.0 } else { contact.friction[0] };
-        contact.mu = mu;
-        let source = Source::Contact(index);
-        let row = push_block(efc, source, Kind::Limit, rows, pair.groups, tree);
-        let (width, jac) = (4 * efc.stride, &mut efc.jac[row * efc.stride..]);
-        let jac = jac.as_flattened_mut();
-        let frames = (
-            #[inline(always)]
-            |dof: usize| d.cdof[dof],
-            #[inline(always)]
-            |body: usize| d.subtree_com[body],
-        );
-        contact_jacobian(
-            pair,
-            frames,
-            (contact.pos, &contact.frame, mu),
-            #[inline(always)]
-            |dof, values| {
-                if rows == 1 {
-                    jac[dof] = values[0];
-                } else {
-                    for (row, value) in values.into_iter().enumerate() {
-                        jac[row * width + dof] = value;
-                    }
-                }
-            },
-        );
-        let (dist, margin) = (contact.dist, contact.includemargin);
-        if rows == 1 {
-            push_row(efc, (&pair.softness, pair.diag), dist, margin);
-            continue;
-        }
-        let (diag, edge) = pyramid(pair.diag, mu);
-        let softness = &pair.softness;
-        push_rows(efc, softness, (dist, dist), margin, diag, 4);
-        let r = edge(efc.r[row]);
-        efc.r[row..].fill(r);
-        efc.d[row..].fill(1.0 / r);
-    }
-}
-
-/// The Jacobian of a contact: the velocity of the second body relative to the first, along the four
-/// edges of the pyramid. A pair of one dimension has the normal four times. `axis` and `com` give
-/// motion axes and centres of mass; `set` receives each degree of freedom with its four values.
-#[inline(always)]
-pub(super) fn contact_jacobian<N: Number>(
-    pair: &Pair,
-    (axis, com): (impl Fn(usize) -> [N; 6], impl Fn(usize) -> [N; 3]),
-    (pos, frame, mu): ([N; 3], &[N; 9], f64),
-    mut set: impl FnMut(usize, [N; 4]),
-) {
-    for column in &pair.columns {
-        let c = axis(column.dof);
-        let offset = sub(pos, com(column.root));
-        let moves = add([c[3], c[4], c[5]], cross([c[0], c[1], c[2]], offset));
-        // libmujoco's sums start with 0, so no sum is -0
-        if pair.dim == 1 {
-            let along = dot([frame[0], frame[1], frame[2]], moves);
-            set(column.dof, [along * column.sign + 0.0; 4]);
-        } else {
-            let [n, t1, t2] = rotate(frame, moves).map(
-                #[inline(always)]
-                |along| along * column.sign + 0.0,
-            );
-            let (t1, t2) = (t1 * mu, t2 * mu);
-            set(column.dof, [n + t1, n - t1, n + t2, n - t2]);
-        }
-    }
-}
-
-/// Sets the one row of a constraint at the position `pos`: see [`push_rows`].
-#[inline(always)]
-pub(super) fn push_row(
-    efc: &mut Constraints,
-    (softness, diag): (&Softness, f64),
-    pos: f64,
-    margin: f64,
-) {
-    push_rows(efc, softness, (pos, pos), margin, diag, 1);
-}
-
-/// Sets position, margin and impedance of the rows of one constraint, all equal: MuJoCo's
-/// `mj_makeImpedance`. The columns that later stages compute are left for the end.
-#[inline(always)]
-pub(super) fn push_rows(
-    efc: &mut Constraints,
-    softness: &Softness,
-    (pos, distance): (f64, f64),
-    margin: f64,
-    diag: f64,
-    rows: usize,
-) {
-    let (impedance, slope) = softness.impedance(distance, margin);
-    let r = regularization(impedance, diag);
-    let rows = efc.pos.len() + rows;
-    for (column, value) in [
-        (&mut efc.pos, pos),
-        (&mut efc.margin, margin),
-        (&mut efc.diag_approx, diag),
-        (&mut efc.r, r),
-        (&mut efc.d, 1.0 / r),
-    ] {
-        column.resize(rows, value);
-    }
-    let kbip = [softness.stiffness, softness.damping, impedance, slope];
-    efc.kbip.resize(rows, kbip);
-}
-
-/// The regularisation of a row with impedance `impedance` and diagonal `diag`.
-#[inline(always)]
-pub(super) fn regularization(impedance: f64, diag: f64) -> f64 {
-    f64::max(1e-15, (1.0 - impedance) * diag / impedance)
-}
-
-/// Returns the diagonal of the rows of a friction pyramid with the coefficient `mu`, and the
-/// function from the regularisation of the normal row to the regularisation of the pyramid's rows.
-/// With these, the pyramid is as soft as an elliptic cone.
-#[inline(always)]
-pub(super) fn pyramid(diag: f64, mu: f64) -> (f64, impl Fn(f64) -> f64) {
-    (diag + mu * mu * diag, move |r: f64| 2.0 * mu * mu * r)
-}
-
-impl Softness {
-    /// The impedance at a constraint's position, and its derivative: MuJoCo's `getimpedance`.
-    pub(super) fn impedance(&self, pos: f64, margin: f64) -> (f64, f64) {
-        let (dmin, dmax, width) = (self.dmin, self.dmax, self.width);
-        let (midpoint, power) = (self.midpoint, self.power);
-        if dmin == dmax || width <= 1e-15 {
-            return (0.5 * (dmin + dmax), 0.0);
-        }
-        let signed = (pos - margin) / width;
-        let x = signed.abs();
-        if x >= 1.0 {
-            return (dmax, 0.0);
-        }
-        if x == 0.0 {
-            return (dmin, 0.0);
-        }
-        // below the midpoint x^power / midpoint^(power - 1); above it, the same curve mirrored
-        let (x, end, turned) = if power == 1.0 || x <= midpoint {
-            (x, midpoint, false)
-        } else {
-            (1.0 - x, 1.0 - midpoint, true)
-        };
-        let (y, slope) = if power == 1.0 {
-            (x, 1.0)
-        } else {
-            let factor = 1.0 / self::power(end, power - 1.0);
-            let slope = power * factor * self::power(x, power - 1.0);
-            (factor * self::power(x, power), slope)
-        };
-        let y = if turned { 1.0 - y } else { y };
-        let slope = signed.signum() * slope * (dmax - dmin) / width;
-        (dmin + y * (dmax - dmin), slope)
-    }
-}
-
-/// `x` to the power `exponent`. The common exponents are computed by multiplication, which rounds
-/// once.
-fn power(x: f64, exponent: f64) -> f64 {
-    if exponent == 1.0 {
-        x
-    } else if exponent == 2.0 {
-        x * x
-    } else {
-        libm::pow(x, exponent)
-    }
-}
-
 /// Computes velocities and reference accelerations of all rows: MuJoCo's `mj_referenceConstraint`.
 #[inline(always)]
 pub fn reference_constraint(m: &Model, d: &mut Data) {
@@ -517,7 +270,7 @@ pub fn reference_constraint(m: &Model, d: &mut Data) {
 }
 
 /// Groups the trees that constraints connect into islands: MuJoCo's `mj_island`.
-fn islands(m: &Model, d: &mut Data) {
+pub(super) fn islands(m: &Model, d: &mut Data) {
     let trees = m.plan().trees.len();
     let work = &mut d.work;
     work.tree_island.clear();

@@ -7,7 +7,7 @@
 //! | `tendon`, `wrap`, `transmission` | lengths and moment arms of tendons and actuators |
 //! | `inertia` | the inertia matrix and its factors |
 //! | `collision` | contacts |
-//! | `constraint`, `rows` | rows of constraints, islands |
+//! | `rows`, `constraint` | rows of constraints by their cause; their arrays, islands |
 //! | `velocity` | velocities of bodies, bias forces |
 //! | `passive` | springs, dampers, fluid |
 //! | `actuation`, `muscle` | actuators |
@@ -85,7 +85,7 @@ mod wrap;
 pub use actuation::fwd_actuation;
 pub use collision::collision;
 pub use com::com_pos;
-pub use constraint::{Constraints, make_constraint, reference_constraint};
+pub use constraint::{Constraints, reference_constraint};
 pub use contact_force::contact_force;
 pub(crate) use data::arrays;
 pub use data::{Contact, Data};
@@ -97,6 +97,7 @@ pub use kinematics::kinematics;
 pub use passive::passive;
 pub use post_constraint::rne_post_constraint;
 pub use ray::{ray, ray_shape};
+pub use rows::make_constraint;
 use sensor::sensors;
 pub use solver::fwd_constraint;
 pub use tendon::{tendon, tendon_velocity};

@@ -13,7 +13,7 @@ use crate::math::number;
 use crate::math::spatial::{add, column, scale};
 use crate::model::{GeomType, Pair};
 use crate::physics::collision::{Polytope, ROUNDING, above_plane, contact_at, frame, touch};
-use crate::physics::constraint::{contact_jacobian, pyramid, regularization};
+use crate::physics::rows::{contact_jacobian, pyramid, regularization};
 use crate::{Contact, Model};
 
 /// The constraint rows of all worlds.

@@ -68,7 +68,7 @@ impl Rows<'_> {
             for block in blocks.clone() {
                 match (block.kind, block.source) {
                     (Kind::Friction, _) => improvement -= self.dry_friction(block.row),
-                    (Kind::Limit, Source::Contact(_)) if block.rows > 1 => {
+                    (Kind::OneSided, Source::Contact(_)) if block.rows > 1 => {
                         for row in (block.row..block.row + block.rows).step_by(2) {
                             improvement -= self.edges(row);
                         }

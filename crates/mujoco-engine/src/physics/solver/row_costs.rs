@@ -81,7 +81,7 @@ impl RowCosts<'_> {
                         states[i] = State::Quadratic;
                     }
                 }
-                Kind::Limit => {
+                Kind::OneSided => {
                     for i in rows {
                         if jar[i] >= 0.0 {
                             (force[i], states[i]) = (0.0, State::Satisfied);
@@ -269,7 +269,7 @@ impl RowCosts<'_> {
                         bound: self.r[i] * self.loss[i],
                         d: self.d[i],
                     },
-                    Kind::Limit => Piece::Limit {
+                    Kind::OneSided => Piece::Limit {
                         start: jar[i],
                         along: jv[i],
                         quad,

@@ -84,7 +84,7 @@ fn matrix<'py, const N: usize>(
     PyArray1::from_slice(py, rows.as_flattened()).reshape([rows.len(), N])
 }
 
-/// The model: its source, the XML of a built-in model, initial positions, number of velocities,
+/// The model: its source, its XML unless it is a file's, initial positions, number of velocities,
 /// names of bodies, timestep, and the version of MuJoCo with the names of all versions. `None` for
 /// other environments.
 pub(crate) fn model<'py>(py: Python<'py>, env: &BoxEnv) -> PyResult<Option<Bound<'py, PyDict>>> {
@@ -97,9 +97,11 @@ pub(crate) fn model<'py>(py: Python<'py>, env: &BoxEnv) -> PyResult<Option<Bound
         frame_skip,
         ..
     } = env.simulation();
-    let text = mujoco::models()
-        .find(|(name, _)| name == xml_file)
-        .map(|(_, text)| text);
+    let built_in = || mujoco::models().find(|(name, _)| name == xml_file);
+    let text = match xml_file.starts_with('<') {
+        true => Some(&**xml_file),
+        false => built_in().map(|(_, text)| text),
+    };
     let facts = PyDict::new(py);
     facts.set_item("xml_file", xml_file)?;
     facts.set_item("xml", text)?;

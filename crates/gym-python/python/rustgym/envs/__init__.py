@@ -25,6 +25,7 @@ from rustgym.envs.classic_control import (
     MountainCarEnv,
     PendulumEnv,
 )
+from rustgym.envs.dm_control import ControlEnv
 from rustgym.envs.minigrid import GridEnv
 from rustgym.envs.mujoco import MODULES, MujocoEnv
 from rustgym.envs.toy_text import BlackjackEnv, CliffWalkingEnv, FrozenLakeEnv, TaxiEnv, generate_random_map
@@ -40,6 +41,7 @@ __all__ = [
     "CartPoleEnv",
     "CliffWalkingEnv",
     "Continuous_MountainCarEnv",
+    "ControlEnv",
     "FrozenLakeEnv",
     "LunarLander",
     "MountainCarEnv",
@@ -87,7 +89,7 @@ def _documented(argument: dict[str, str], defaults: dict[str, Any]) -> str:
 
 def _env_class(name: str, env_id: str) -> type[Env]:
     spec = SPECS[env_id]
-    of_crate: dict[str, type[Env]] = {"gym-atari": AtariEnv, "gym-minigrid": GridEnv}
+    of_crate: dict[str, type[Env]] = {"gym-atari": AtariEnv, "gym-control": ControlEnv, "gym-minigrid": GridEnv}
     base = of_crate.get(spec["crate"]) or _BASES.get(task_of(env_id), ClassEnv)
     # a game cannot be described without its ROM: the base class has the metadata
     metadata = dict(base.metadata) if base is AtariEnv else metadata_from(json.loads(_native.describe(env_id)))
@@ -100,7 +102,7 @@ def _env_class(name: str, env_id: str) -> type[Env]:
     # Gymnasium's name of the class, because environments print it
     if base is MujocoEnv:
         made.__name__ = f"{task_of(env_id)}Env"
-    elif base is not ClassEnv:
+    elif base not in (ClassEnv, ControlEnv):
         made.__name__ = base.__name__
     return made
 

@@ -1,0 +1,62 @@
+"""Attributes of the Control Suite's tasks: ``data``, ``model``, ``set_state``, ``dt``."""
+
+import copy
+import pickle
+import sys
+
+import gymnasium
+import numpy as np
+import pytest
+
+import rustgym
+
+TASKS = ["dm_control/cartpole-swingup-v0", "dm_control/swimmer-swimmer6-v0", "dm_control/walker-walk-v0"]
+
+
+def made(env_id, **kwargs):
+    return rustgym.make(env_id, disable_env_checker=True, **kwargs).unwrapped
+
+
+@pytest.mark.parametrize("env_id", TASKS)
+def test_data_is_read_and_written_without_mujoco(env_id, monkeypatch):
+    monkeypatch.setitem(sys.modules, "mujoco", None)
+    env, twin = made(env_id), made(env_id)
+    for e in (env, twin):
+        e.reset(seed=1)
+    data = env.data
+    assert data.qpos.shape == env.init_qpos.shape and data.qvel.shape == env.init_qvel.shape
+    assert env.dt == pytest.approx(1 / env.metadata["render_fps"], rel=0.02)
+    action = np.zeros(env.action_space.shape)
+    for e in (env, twin):
+        e.step(action)
+    assert np.array_equal(data.qpos, twin.data.qpos) and data.time == twin.data.time > 0.0
+    data.qpos[0] += 0.25
+    for e in (env, twin):
+        e.step(action)
+    assert data.qpos[0] > twin.data.qpos[0] + 0.1
+    with pytest.raises(ValueError, match="read-only"):
+        data.xpos[1] = 0.0
+    with pytest.raises(gymnasium.error.DependencyNotInstalled, match="pip install mujoco"):
+        _ = env.model
+
+
+@pytest.mark.parametrize("env_id", TASKS)
+def test_mujocos_own_objects_follow(env_id, monkeypatch, tmp_path):
+    mujoco = pytest.importorskip("mujoco")
+    monkeypatch.chdir(tmp_path)  # where MuJoCo logs its warnings
+    env = made(env_id, mujoco="3.12")
+    env.reset(seed=3)
+    data = env.data
+    assert isinstance(data, mujoco.MjData) and isinstance(env.model, mujoco.MjModel)
+    for _ in range(5):
+        env.step(env.action_space.sample())
+    own = env._arrays()
+    for name in ("qpos", "qvel", "xpos", "xmat", "geom_xpos", "site_xpos", "cvel", "qfrc_bias"):
+        assert np.allclose(getattr(data, name), own[name], rtol=1e-9, atol=1e-9), name
+    for twin in (copy.deepcopy(env), pickle.loads(pickle.dumps(env))):
+        assert np.array_equal(twin.data.qpos, data.qpos) and twin.data is not data
+    env.set_state(np.array(data.qpos), np.zeros(env.model.nv))
+    assert not data.qvel.any()
+    env.model.body_mass[1] *= 2.0
+    with pytest.raises(gymnasium.error.Error, match="cannot take over"):
+        env.step(env.action_space.sample())

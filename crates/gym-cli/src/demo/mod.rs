@@ -155,7 +155,8 @@ fn choose(registrations: Vec<Registration>, all: bool) -> (Vec<Registration>, Op
         has_needy |= registration.needs.is_some();
         chosen.push(registration.clone());
     }
-    let missing = missing.filter(|_| !has_needy);
+    // what some ids of a family need is no news if others are played
+    let missing = missing.filter(|_| chosen.is_empty());
     (chosen, missing)
 }
 

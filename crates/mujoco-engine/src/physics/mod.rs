@@ -66,7 +66,10 @@ mod jacobian;
 mod kinematics;
 #[cfg_attr(
     not(all(feature = "lanes", any(target_arch = "x86", target_arch = "x86_64"))),
-    allow(dead_code, reason = "other processors have no lanes yet, and the feature may be off")
+    allow(
+        dead_code,
+        reason = "other processors have no lanes yet, and the feature may be off"
+    )
 )]
 pub mod lanes;
 mod muscle;

@@ -128,13 +128,16 @@ pub(crate) fn demo(arguments: &Arguments, workspace: &Workspace) -> Result<()> {
 /// because of an external requirement, the second part says what to do.
 fn choose(registrations: Vec<Registration>, all: bool) -> (Vec<Registration>, Option<String>) {
     let mut missing = None;
+    let mut is_unmet = false;
     // a requirement may be met for some environments only, such as games
     let mut can_make = |registration: &Registration| match registration.needs {
         None => true,
-        Some(_) => match gym::make(registration.id()) {
+        Some(_) if is_unmet => false,
+        Some(need) => match gym::make(registration.id()) {
             Ok(_) => true,
             Err(error) => {
                 missing.get_or_insert_with(|| error.to_string());
+                is_unmet = !need.is_met();
                 false
             }
         },
@@ -143,17 +146,18 @@ fn choose(registrations: Vec<Registration>, all: bool) -> (Vec<Registration>, Op
         let made = registrations.into_iter().filter(&mut can_make).collect();
         return (made, missing);
     }
-    let pages = registry::by_page(registrations);
-    let mut shown = pages.iter().filter_map(|page| registry::shown(page));
-    let mut chosen: Vec<Registration> = Vec::new();
     // environments with a requirement have no pages: one of them is enough
     let mut has_needy = false;
-    for registration in shown.by_ref() {
-        if registration.needs.is_some() && (has_needy || !can_make(registration)) {
+    let mut chosen = Vec::new();
+    for page in registry::by_page(registrations) {
+        let Some(shown) = registry::shown(&page) else {
             continue;
+        };
+        let is_needy = shown.needs.is_some();
+        if !is_needy || (!has_needy && can_make(shown)) {
+            has_needy |= is_needy;
+            chosen.push(shown.clone());
         }
-        has_needy |= registration.needs.is_some();
-        chosen.push(registration.clone());
     }
     // what some ids of a family need is no news if others are played
     let missing = missing.filter(|_| chosen.is_empty());

@@ -35,7 +35,7 @@ pub trait Domain: SimTask + Sized {
     ///
     /// # Errors
     /// [`Error::InvalidArgument`] for an argument out of range.
-    fn new(config: &Self::Config, model: &Model) -> Result<Self>;
+    fn new(config: &Self::Config, simulation: &Simulation) -> Result<Self>;
 }
 
 /// The bound of a control without a range, in the action space.
@@ -52,42 +52,21 @@ const UNBOUNDED: f64 = 1e10;
 pub fn make<D: Domain>(config: &D::Config) -> Result<SimEnv> {
     let common = config.as_ref();
     let text = look::with_materials(&D::text(config)?);
+    let (simulation, settings) = parts(text, D::TIMESTEPS, common, Settings::new(D::NAME, config))?;
+    let task = Arc::new(D::new(config, &simulation)?);
+    SimEnv::new(task, simulation, settings)
+}
+
+/// Compiles the model, and completes the settings by the shared arguments.
+fn parts(
+    text: String,
+    timesteps: usize,
+    common: &Common,
+    mut settings: Settings,
+) -> Result<(Simulation, Settings)> {
     let model = Model::from_xml_with(&text, common.mujoco.0);
     let model = model.map_err(|error| Error::argument("model", error.to_string()))?;
     common.check(&model)?;
-    let task = Arc::new(D::new(config, &model)?);
-    of(
-        D::NAME,
-        task,
-        model,
-        (text, D::TIMESTEPS),
-        (Settings::new(D::NAME, config), common),
-    )
-}
-
-fn of(
-    name: &'static str,
-    task: Arc<dyn SimTask>,
-    model: Model,
-    (text, timesteps): (String, usize),
-    (settings, common): (Settings, &Common),
-) -> Result<SimEnv> {
-    let bounds = |side: usize| -> Vec<f64> {
-        let ranges = model.actuator_ctrlrange.iter();
-        let ranges = ranges.zip(&model.actuator_ctrllimited);
-        ranges
-            .map(|(range, limited)| {
-                if *limited {
-                    range[side]
-                } else {
-                    [-UNBOUNDED, UNBOUNDED][side]
-                }
-            })
-            .collect()
-    };
-    let action_space = BoxSpace::new(bounds(0), bounds(1))?.into();
-    let step = model.opt.timestep * timesteps as f64;
-    let limit = common.time_limit;
     let camera = Camera {
         xml_file: text,
         frame_skip: timesteps,
@@ -97,21 +76,34 @@ fn of(
         ..Camera::default()
     };
     let simulation = Simulation::new(|| Ok(Arc::new(model)), &camera, Stepper::Settled)?;
-    let mut settings = settings;
-    settings.name = name;
-    settings.action_space = Some(action_space);
+    let m = &simulation.model;
+    let ranges = m.actuator_ctrlrange.iter().zip(&m.actuator_ctrllimited);
+    let bounds = |side: usize| -> Vec<f64> {
+        let bound = |(range, limited): (&[f64; 2], &bool)| {
+            let range = if *limited {
+                *range
+            } else {
+                [-UNBOUNDED, UNBOUNDED]
+            };
+            range[side]
+        };
+        ranges.clone().map(bound).collect()
+    };
+    settings.action_space = Some(BoxSpace::new(bounds(0), bounds(1))?.into());
     settings.flat = common.flat;
     settings.dtype = common.dtype;
     settings.pixels = common.pixels;
     settings.size = (common.width, common.height);
     settings.depth = false;
-    settings.limit = limit.map_or(f64::INFINITY, |limit| limit / step);
+    let limit = common.time_limit.map(|limit| limit / simulation.dt);
+    settings.limit = limit.unwrap_or(f64::INFINITY);
     settings.random_state = true;
     settings.start = [common.qpos.clone(), common.qvel.clone()];
-    settings.coloured = common
-        .visualize_reward
-        .then_some(look::coloured as fn(&Model, f64) -> Model);
-    SimEnv::new(task, simulation, settings)
+    settings.coloured = match common.visualize_reward {
+        true => Some(look::coloured),
+        false => None,
+    };
+    Ok((simulation, settings))
 }
 
 /// The constructor of a domain's environments, for registrations.
@@ -181,32 +173,4 @@ pub const fn register<D: Domain>(id: &'static str, description: &'static str) ->
     gym_sim::register::<Entry<D>>(id)
         .description(description)
         .exceptions(&[LIMIT, COLOURS])
-}
-
-/// Returns the id of the body `name`.
-pub(crate) fn body(m: &Model, name: &str) -> Result<usize> {
-    named("body", name, m.body_id(name))
-}
-
-/// Returns the id of the geom `name`.
-pub(crate) fn geom(m: &Model, name: &str) -> Result<usize> {
-    named("geom", name, m.geom_id(name))
-}
-
-/// Returns the id of the site `name`.
-pub(crate) fn site(m: &Model, name: &str) -> Result<usize> {
-    named("site", name, m.site_id(name))
-}
-
-/// Returns the id of the joint `name`.
-pub(crate) fn joint(m: &Model, name: &str) -> Result<usize> {
-    named("joint", name, m.joint_id(name))
-}
-
-/// Returns the id `id` of the object `name`, or an error if the model has no such object.
-///
-/// # Errors
-/// [`Error::InvalidArgument`] if there is none.
-pub(crate) fn named(what: &str, name: &str, id: Option<usize>) -> Result<usize> {
-    id.ok_or_else(|| Error::argument("model", format!("the model has no {what} {name:?}")))
 }

@@ -270,6 +270,14 @@ impl Simulation {
         self.known("joint", name, self.model.joint_id(name))
     }
 
+    /// The sensor `name`, which the task needs.
+    ///
+    /// # Errors
+    /// [`Error::InvalidArgument`] if the model has none of that name.
+    pub fn sensor(&self, name: &str) -> Result<usize> {
+        self.known("sensor", name, self.model.sensor_id(name))
+    }
+
     fn known(&self, kind: &str, name: &str, id: Option<usize>) -> Result<usize> {
         let missing = || format!("the model has no {kind} {name:?}");
         id.ok_or_else(|| Error::argument("xml_file", missing()))

@@ -20,10 +20,10 @@ use mujoco_engine::{Data, Model};
 
 use super::axis::{XZ, ZZ};
 use super::{config, minus, norm};
-use crate::domain::{body, clip, site};
+use crate::domain::clip;
 use crate::rewards::{Sigmoid, Tolerance};
 use crate::{Domain, register};
-use gym_sim::{Observation, SimTask, Start};
+use gym_sim::{Observation, SimTask, Simulation, Start};
 
 config! { 10.0;
     /// Whether the reward is sparse: 1 in the target, otherwise 0.
@@ -48,14 +48,15 @@ impl Domain for Acrobot {
         Ok(include_str!("../../models/acrobot.xml").into())
     }
 
-    fn new(config: &Config, m: &Model) -> Result<Self> {
-        let target = site(m, "target")?;
+    fn new(config: &Config, s: &Simulation) -> Result<Self> {
+        let target = s.site("target")?;
         let margin = if config.sparse { 0.0 } else { 1.0 };
         Ok(Self {
-            arms: [body(m, "upper_arm")?, body(m, "lower_arm")?],
-            tip: site(m, "tip")?,
+            arms: [s.body("upper_arm")?, s.body("lower_arm")?],
+            tip: s.site("tip")?,
             target,
-            near: Tolerance::within(0.0, m.site_size[target][0]).margin(margin, Sigmoid::Gaussian),
+            near: Tolerance::within(0.0, s.model.site_size[target][0])
+                .margin(margin, Sigmoid::Gaussian),
         })
     }
 }

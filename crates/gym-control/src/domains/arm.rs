@@ -6,8 +6,7 @@ use gym_core::{Result, math};
 use mujoco_engine::{Data, Model};
 
 use super::{minus, norm};
-use crate::domain::{body, joint, named};
-use gym_sim::{Observation, Start};
+use gym_sim::{Observation, Simulation, Start};
 
 /// Returns the text of the model, with the bodies `props`, and the pairs of bodies without contacts
 /// `apart`.
@@ -42,18 +41,18 @@ pub(super) struct Arm {
 
 impl Arm {
     /// Finds the arm in a model. `touch` names the touch sensors in the order of the observation.
-    pub(super) fn new(m: &Model, touch: [&str; 5]) -> Result<Self> {
+    pub(super) fn new(s: &Simulation, touch: [&str; 5]) -> Result<Self> {
         let mut found = [0; 8];
         for (id, name) in found.iter_mut().zip(JOINTS) {
-            *id = joint(m, name)?;
+            *id = s.joint(name)?;
         }
         let mut sensors = [0; 5];
         for (adr, name) in sensors.iter_mut().zip(touch) {
-            *adr = m.sensor_adr[named("sensor", name, m.sensor_id(name))?];
+            *adr = s.model.sensor_adr[s.sensor(name)?];
         }
         Ok(Self {
             joints: found,
-            hand: body(m, "hand")?,
+            hand: s.body("hand")?,
             touch: sensors,
         })
     }

@@ -17,9 +17,9 @@ use gym_core::Result;
 use mujoco_engine::{Data, Model};
 
 use super::config;
-use crate::domain::{body, clip, geom, site};
+use crate::domain::clip;
 use crate::{Domain, register};
-use gym_sim::{Observation, SimTask, Start};
+use gym_sim::{Observation, SimTask, Simulation, Start};
 
 config! { 20.0; }
 
@@ -43,13 +43,13 @@ impl Domain for BallInCup {
         Ok(include_str!("../../models/ball_in_cup.xml").into())
     }
 
-    fn new(_: &Config, m: &Model) -> Result<Self> {
-        let target = site(m, "target")?;
-        let geom = geom(m, "ball")?;
+    fn new(_: &Config, s: &Simulation) -> Result<Self> {
+        let target = s.site("target")?;
+        let geom = s.geom("ball")?;
         Ok(Self {
-            ball: body(m, "ball")?,
+            ball: s.body("ball")?,
             target,
-            within: [0, 2].map(|k| m.site_size[target][k] - m.geom_size[geom][0]),
+            within: [0, 2].map(|k| s.model.site_size[target][k] - s.model.geom_size[geom][0]),
         })
     }
 }

@@ -24,7 +24,7 @@ use super::config;
 use crate::domain::clip;
 use crate::rewards::{Sigmoid, Tolerance, mean};
 use crate::{Domain, register};
-use gym_sim::{Observation, SimTask, Start};
+use gym_sim::{Observation, SimTask, Simulation, Start};
 
 const CENTRED: Tolerance = Tolerance::within(0.0, 0.0).margin(2.0, Sigmoid::Gaussian);
 const GENTLE: Tolerance = Tolerance::within(0.0, 0.0).margin(1.0, Sigmoid::Quadratic(0.0));
@@ -84,7 +84,7 @@ impl Domain for Cartpole {
         Ok(text.into())
     }
 
-    fn new(config: &Config, _: &Model) -> Result<Self> {
+    fn new(config: &Config, _: &Simulation) -> Result<Self> {
         Ok(Self {
             swing_up: config.swing_up,
             sparse: config.sparse,

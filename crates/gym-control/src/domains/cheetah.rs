@@ -21,7 +21,7 @@ use super::{check, config};
 use crate::domain::clip;
 use crate::rewards::{Sigmoid, Tolerance};
 use crate::{Domain, register};
-use gym_sim::{Observation, SimTask, Start};
+use gym_sim::{Observation, SimTask, Simulation, Start};
 
 config! { 10.0;
     /// The speed that is rewarded by 1.
@@ -44,7 +44,7 @@ impl Domain for Cheetah {
         Ok(include_str!("../../models/cheetah.xml").into())
     }
 
-    fn new(config: &Config, _: &Model) -> Result<Self> {
+    fn new(config: &Config, _: &Simulation) -> Result<Self> {
         check("speed", config.speed, 0.01, 1000.0)?;
         let fast = Tolerance::above(config.speed).margin(config.speed, Sigmoid::Linear(0.0));
         Ok(Self { fast })

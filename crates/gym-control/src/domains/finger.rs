@@ -18,9 +18,9 @@ use gym_core::{Result, math};
 use mujoco_engine::{Data, Model};
 
 use super::{check, config, minus, norm};
-use crate::domain::{TARGET, body, clip, geom, site};
+use crate::domain::{TARGET, clip};
 use crate::{Domain, register};
-use gym_sim::{Observation, SimTask, Start};
+use gym_sim::{Observation, SimTask, Simulation, Start};
 
 const FAST: f64 = -15.0; // rad/s
 
@@ -81,14 +81,14 @@ impl Domain for Finger {
         Ok(text.into())
     }
 
-    fn new(config: &Config, m: &Model) -> Result<Self> {
-        let cap = geom(m, "cap1")?;
+    fn new(config: &Config, s: &Simulation) -> Result<Self> {
+        let cap = s.geom("cap1")?;
         Ok(Self {
             target_size: config.target_size,
-            spinner: body(m, "spinner")?,
-            tip: site(m, "tip")?,
-            target: site(m, "target")?,
-            reach: m.geom_size[cap].iter().sum(),
+            spinner: s.body("spinner")?,
+            tip: s.site("tip")?,
+            target: s.site("target")?,
+            reach: s.model.geom_size[cap].iter().sum(),
         })
     }
 }

@@ -19,10 +19,10 @@ use mujoco_engine::{Data, Model};
 
 use super::axis::ZZ;
 use super::{config, minus, norm, times};
-use crate::domain::{body, clip, geom};
+use crate::domain::clip;
 use crate::rewards::{Sigmoid, Tolerance};
 use crate::{Domain, register};
-use gym_sim::{Observation, Rng, SimTask, Start};
+use gym_sim::{Observation, Rng, SimTask, Simulation, Start};
 
 const UPRIGHT: Tolerance = Tolerance::within(1.0, 1.0).margin(1.0, Sigmoid::Gaussian);
 /// The indices of the joints after the root in `qpos`. In `qvel`, each index is one lower.
@@ -68,13 +68,13 @@ impl Domain for Fish {
             .into())
     }
 
-    fn new(config: &Config, m: &Model) -> Result<Self> {
-        let mouth = geom(m, "mouth")?;
-        let target = geom(m, "target")?;
-        let radii = m.geom_size[mouth][0] + m.geom_size[target][0];
+    fn new(config: &Config, s: &Simulation) -> Result<Self> {
+        let mouth = s.geom("mouth")?;
+        let target = s.geom("target")?;
+        let radii = s.model.geom_size[mouth][0] + s.model.geom_size[target][0];
         Ok(Self {
             swim: config.swim,
-            torso: body(m, "torso")?,
+            torso: s.body("torso")?,
             mouth,
             target,
             near: Tolerance::within(0.0, radii).margin(2.0 * radii, Sigmoid::Gaussian),

@@ -18,10 +18,10 @@ use mujoco_engine::lanes::Derived;
 use mujoco_engine::{Data, Model};
 
 use super::{check, config};
-use crate::domain::{STANDING, body, clip};
+use crate::domain::{STANDING, clip};
 use crate::rewards::{Sigmoid, Tolerance, small_control};
 use crate::{Domain, register};
-use gym_sim::{Observation, SimTask, Start};
+use gym_sim::{Observation, SimTask, Simulation, Start};
 
 config! { 20.0;
     /// The speed that is rewarded by 1; 0 for standing.
@@ -53,14 +53,14 @@ impl Domain for Hopper {
         Ok(include_str!("../../models/hopper.xml").into())
     }
 
-    fn new(config: &Config, m: &Model) -> Result<Self> {
+    fn new(config: &Config, s: &Simulation) -> Result<Self> {
         check("speed", config.speed, 0.0, 1000.0)?;
         check("stand_height", config.stand_height, 0.0, 2.0)?;
         let speed = config.speed;
         let hopping = Tolerance::above(speed).margin(speed / 2.0, Sigmoid::Linear(0.5));
         Ok(Self {
-            torso: body(m, "torso")?,
-            foot: body(m, "foot")?,
+            torso: s.body("torso")?,
+            foot: s.body("foot")?,
             standing: Tolerance::within(config.stand_height, 2.0),
             hopping: (speed != 0.0).then_some(hopping),
         })

@@ -19,10 +19,10 @@ use mujoco_engine::{Data, Model};
 
 use super::axis::{ZX, ZZ};
 use super::{check, config, minus, norm, times};
-use crate::domain::{STANDING, body, clip};
+use crate::domain::{STANDING, clip};
 use crate::rewards::{Sigmoid, Tolerance, mean, small_control};
 use crate::{Domain, register};
-use gym_sim::{Observation, SimTask, Start};
+use gym_sim::{Observation, SimTask, Simulation, Start};
 
 const UPRIGHT: Tolerance = Tolerance::above(0.9).margin(1.9, Sigmoid::Linear(0.0));
 const STILL: Tolerance = Tolerance::within(0.0, 0.0).margin(2.0, Sigmoid::Gaussian);
@@ -61,19 +61,19 @@ impl Domain for Humanoid {
         Ok(include_str!("../../models/humanoid.xml").into())
     }
 
-    fn new(config: &Config, m: &Model) -> Result<Self> {
+    fn new(config: &Config, s: &Simulation) -> Result<Self> {
         check("speed", config.speed, 0.0, 1000.0)?;
         check("stand_height", config.stand_height, 0.01, 10.0)?;
         let (speed, height) = (config.speed, config.stand_height);
         let going = Tolerance::above(speed).margin(speed, Sigmoid::Linear(0.0));
         Ok(Self {
-            torso: body(m, "torso")?,
-            head: body(m, "head")?,
+            torso: s.body("torso")?,
+            head: s.body("head")?,
             limbs: [
-                body(m, "left_hand")?,
-                body(m, "left_foot")?,
-                body(m, "right_hand")?,
-                body(m, "right_foot")?,
+                s.body("left_hand")?,
+                s.body("left_foot")?,
+                s.body("right_hand")?,
+                s.body("right_foot")?,
             ],
             standing: Tolerance::above(height).margin(height / 4.0, Sigmoid::Gaussian),
             going: (speed != 0.0).then_some(going),

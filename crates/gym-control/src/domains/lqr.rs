@@ -20,7 +20,7 @@ use mujoco_engine::{CompiledModel, Data, Model};
 use super::{check, config};
 use crate::domain::{UNLIMITED, clip};
 use crate::{Domain, register};
-use gym_sim::{Observation, SimTask, Start};
+use gym_sim::{Observation, SimTask, Simulation, Start};
 
 const STIFFNESS: [f64; 2] = [15.0, 25.0]; // N/m
 const AT_REST: f64 = 1e-6;
@@ -76,10 +76,10 @@ impl Domain for Lqr {
         Ok(text.into())
     }
 
-    fn new(config: &Config, m: &Model) -> Result<Self> {
+    fn new(config: &Config, s: &Simulation) -> Result<Self> {
         check("control_cost", config.control_cost, 1e-9, 1e9)?;
         Ok(Self {
-            bodies: m.nq(),
+            bodies: s.model.nq(),
             control_cost: config.control_cost,
         })
     }

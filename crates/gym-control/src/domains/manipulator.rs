@@ -21,10 +21,10 @@ use mujoco_engine::{Data, Model};
 use super::arm::{self, Arm, distance, pose, turned};
 use super::axis::{XX, ZX};
 use super::config;
-use crate::domain::{body, clip, joint, site};
+use crate::domain::clip;
 use crate::rewards::{Sigmoid, Tolerance};
 use crate::{Domain, register};
-use gym_sim::{Observation, SimTask, Start};
+use gym_sim::{Observation, SimTask, Simulation, Start};
 
 const CLOSE: Tolerance = Tolerance::within(0.0, 0.01).margin(0.02, Sigmoid::Gaussian);
 /// The probabilities that the object starts in the hand, in the target, or elsewhere.
@@ -84,21 +84,21 @@ impl Domain for Manipulator {
         Ok(arm::text(0.005, &format!("{object}{holder}{ghost}"), apart).into())
     }
 
-    fn new(config: &Config, m: &Model) -> Result<Self> {
-        let pair = |a, b| -> Result<[usize; 2]> { Ok([site(m, a)?, site(m, b)?]) };
+    fn new(config: &Config, s: &Simulation) -> Result<Self> {
+        let pair = |a, b| -> Result<[usize; 2]> { Ok([s.site(a)?, s.site(b)?]) };
         let (mut pairs, mut grasping) = (vec![pair("object", "target")?], Vec::new());
         if config.use_peg {
             pairs.push(pair("target_tip", "peg_tip")?);
             grasping = vec![pair("peg_grasp", "grasp")?, pair("peg_pinch", "pinch")?];
         }
         Ok(Self {
-            arm: Arm::new(m, TOUCH)?,
+            arm: Arm::new(s, TOUCH)?,
             insert: config.insert,
             fully_observable: config.fully_observable,
-            object: body(m, "object")?,
-            joint: joint(m, "object_x")?,
-            target: body(m, "target")?,
-            grasp: site(m, "grasp")?,
+            object: s.body("object")?,
+            joint: s.joint("object_x")?,
+            target: s.body("target")?,
+            grasp: s.site("grasp")?,
             pairs,
             grasping,
         })

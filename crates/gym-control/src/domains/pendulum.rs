@@ -21,10 +21,10 @@ use mujoco_engine::{Data, Model};
 
 use super::axis::{XZ, ZZ};
 use super::config;
-use crate::domain::{body, clip};
+use crate::domain::clip;
 use crate::rewards::Tolerance;
 use crate::{Domain, register};
-use gym_sim::{Observation, SimTask, Start};
+use gym_sim::{Observation, SimTask, Simulation, Start};
 
 /// The pole is upright if the cosine of its angle is at least the cosine of 8 degrees.
 const UPRIGHT: Tolerance = Tolerance::within(0.9902680687415704, 1.0);
@@ -46,8 +46,8 @@ impl Domain for Pendulum {
         Ok(include_str!("../../models/pendulum.xml").into())
     }
 
-    fn new(_: &Config, m: &Model) -> Result<Self> {
-        let pole = body(m, "pole")?;
+    fn new(_: &Config, s: &Simulation) -> Result<Self> {
+        let pole = s.body("pole")?;
         Ok(Self { pole })
     }
 }

@@ -18,10 +18,10 @@ use mujoco_engine::lanes::Derived;
 use mujoco_engine::{CompiledModel, Data, Model};
 
 use super::{check, config, minus, norm};
-use crate::domain::{clip, geom};
+use crate::domain::clip;
 use crate::rewards::{Sigmoid, Tolerance, small_control};
 use crate::{Domain, register};
-use gym_sim::{Observation, Rng, SimTask, Start};
+use gym_sim::{Observation, Rng, SimTask, Simulation, Start};
 
 /// Two directions are too similar if the cosine between them exceeds this.
 const PARALLEL: f64 = 0.9;
@@ -63,12 +63,12 @@ impl Domain for PointMass {
             .into())
     }
 
-    fn new(config: &Config, m: &Model) -> Result<Self> {
+    fn new(config: &Config, s: &Simulation) -> Result<Self> {
         let size = config.target_size;
         Ok(Self {
             randomize_gains: config.randomize_gains,
-            mass: geom(m, "mass")?,
-            target: geom(m, "target")?,
+            mass: s.geom("mass")?,
+            target: s.geom("target")?,
             near: Tolerance::within(0.0, size).margin(size, Sigmoid::Gaussian),
         })
     }

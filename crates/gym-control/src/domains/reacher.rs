@@ -19,10 +19,10 @@ use mujoco_engine::lanes::Derived;
 use mujoco_engine::{Data, Model};
 
 use super::{check, config, norm};
-use crate::domain::{clip, geom};
+use crate::domain::clip;
 use crate::rewards::Tolerance;
 use crate::{Domain, register};
-use gym_sim::{Observation, SimTask, Start};
+use gym_sim::{Observation, SimTask, Simulation, Start};
 
 config! { 20.0;
     /// Radius of the target.
@@ -57,12 +57,12 @@ impl Domain for Reacher {
             .into())
     }
 
-    fn new(config: &Config, m: &Model) -> Result<Self> {
-        let finger = geom(m, "finger")?;
+    fn new(config: &Config, s: &Simulation) -> Result<Self> {
+        let finger = s.geom("finger")?;
         Ok(Self {
             finger,
-            target: geom(m, "target")?,
-            touching: Tolerance::within(0.0, config.target_size + m.geom_size[finger][0]),
+            target: s.geom("target")?,
+            touching: Tolerance::within(0.0, config.target_size + s.model.geom_size[finger][0]),
         })
     }
 }

@@ -19,10 +19,10 @@ use mujoco_engine::{Data, Model};
 
 use super::arm::{self, Arm, distance, pose};
 use super::config;
-use crate::domain::{body, clip, joint, site};
+use crate::domain::clip;
 use crate::rewards::{Sigmoid, Tolerance};
 use crate::{Domain, register};
-use gym_sim::{Observation, SimTask, Start};
+use gym_sim::{Observation, SimTask, Simulation, Start};
 
 /// Half the width of a box.
 const SIZE: f64 = 0.022; // m
@@ -76,22 +76,22 @@ impl Domain for Stacker {
         Ok(arm::text(0.01, &props, "").into())
     }
 
-    fn new(config: &Config, m: &Model) -> Result<Self> {
+    fn new(config: &Config, s: &Simulation) -> Result<Self> {
         let both = |name: &str| -> Result<[usize; 2]> {
-            let body = body(m, name)?;
-            Ok([body, site(m, name)?])
+            let body = s.body(name)?;
+            Ok([body, s.site(name)?])
         };
         let one = |i: u32| -> Result<[usize; 3]> {
             let name = format!("box{i}");
             let [body, site] = both(&name)?;
-            Ok([body, site, joint(m, &name)?])
+            Ok([body, site, s.joint(&name)?])
         };
         Ok(Self {
-            arm: Arm::new(m, TOUCH)?,
+            arm: Arm::new(s, TOUCH)?,
             fully_observable: config.fully_observable,
             boxes: (0..config.boxes).map(one).collect::<Result<_>>()?,
             target: both("target")?,
-            grasp: site(m, "grasp")?,
+            grasp: s.site("grasp")?,
         })
     }
 }

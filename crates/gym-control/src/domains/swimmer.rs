@@ -18,10 +18,10 @@ use mujoco_engine::lanes::Derived;
 use mujoco_engine::{Data, Model};
 
 use super::{config, minus, norm, times};
-use crate::domain::{body, clip, geom};
+use crate::domain::clip;
 use crate::rewards::{Sigmoid, Tolerance};
 use crate::{Domain, register};
-use gym_sim::{Observation, SimTask, Start};
+use gym_sim::{Observation, SimTask, Simulation, Start};
 
 config! { 30.0;
     /// Number of links.
@@ -86,12 +86,12 @@ impl Domain for Swimmer {
         Ok(text.into())
     }
 
-    fn new(_: &Config, m: &Model) -> Result<Self> {
-        let target = geom(m, "target")?;
-        let size = m.geom_size[target][0];
+    fn new(_: &Config, s: &Simulation) -> Result<Self> {
+        let target = s.geom("target")?;
+        let size = s.model.geom_size[target][0];
         Ok(Self {
-            head: body(m, "head")?,
-            nose: geom(m, "nose")?,
+            head: s.body("head")?,
+            nose: s.geom("nose")?,
             target,
             near: Tolerance::within(0.0, size).margin(5.0 * size, Sigmoid::LongTail),
         })

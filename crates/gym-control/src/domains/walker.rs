@@ -19,10 +19,10 @@ use mujoco_engine::{Data, Model};
 
 use super::axis::{XX, XZ, ZZ};
 use super::{check, config};
-use crate::domain::{STANDING, body, clip};
+use crate::domain::{STANDING, clip};
 use crate::rewards::{Sigmoid, Tolerance};
 use crate::{Domain, register};
-use gym_sim::{Observation, SimTask, Start};
+use gym_sim::{Observation, SimTask, Simulation, Start};
 
 config! { 25.0;
     /// The speed that is rewarded by 1; 0 for standing.
@@ -53,13 +53,13 @@ impl Domain for Walker {
         Ok(include_str!("../../models/walker.xml").into())
     }
 
-    fn new(config: &Config, m: &Model) -> Result<Self> {
+    fn new(config: &Config, s: &Simulation) -> Result<Self> {
         check("speed", config.speed, 0.0, 1000.0)?;
         check("stand_height", config.stand_height, 0.01, 10.0)?;
         let (speed, height) = (config.speed, config.stand_height);
         let going = Tolerance::above(speed).margin(speed / 2.0, Sigmoid::Linear(0.5));
         Ok(Self {
-            torso: body(m, "torso")?,
+            torso: s.body("torso")?,
             standing: Tolerance::above(height).margin(height / 2.0, Sigmoid::Gaussian),
             going: (speed != 0.0).then_some(going),
         })

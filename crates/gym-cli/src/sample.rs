@@ -56,11 +56,11 @@ mod tests {
 
     #[test]
     fn a_changed_file_belongs_to_the_crate_of_its_folder() {
-        let source = "crates/gym-toytext/src/taxi.rs";
+        let source = "crates/my-envs/src/corridor.rs";
         for (file, belongs) in [
-            ("crates/gym-toytext/src/blackjack.rs", true),
-            ("crates/gym-toytext/Cargo.toml", true),
-            ("crates/gym-toytext-2/src/taxi.rs", false),
+            ("crates/my-envs/src/rocket.rs", true),
+            ("crates/my-envs/Cargo.toml", true),
+            ("crates/my-envs-2/src/corridor.rs", false),
             ("docs/README.md", false),
         ] {
             assert_eq!(is_of_the_crate(file, source), belongs, "{file}");

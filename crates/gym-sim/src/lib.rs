@@ -2,8 +2,8 @@
 //!
 //! [`SimEnv`] is the one environment: a [`SimTask`] on a model of the crate [`mujoco_engine`].
 //! Pictures and depths, snapshots, changes of the state, MuJoCo's versions and vectors whose worlds
-//! step together come with it. Gymnasium's MuJoCo tasks (gym-mujoco) and the DeepMind Control Suite
-//! (gym-control) are tasks on it.
+//! step together come with it. Gymnasium's MuJoCo tasks and the DeepMind Control Suite are tasks on
+//! it.
 //!
 //! A task with arguments implements [`FromArguments`] too, and registers as an [`Entry`].
 #![warn(clippy::disallowed_methods)]

@@ -87,7 +87,6 @@ fn demo() {
         "FrozenLake-v1",
         "LunarLander-v3",
         "Ant-v5",
-        "BabyAI-GoToDoor-v0",
         "dm_control/acrobot-swingup-v0",
     ];
     let first_of_family: Vec<_> = in_order.map(place).into();

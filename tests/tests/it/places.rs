@@ -108,7 +108,8 @@ fn names(path: &str, line: &str, family: &str) -> bool {
             !before.is_some_and(is_part) && !after.is_some_and(is_part)
         })
     };
-    let is_manifest = path.ends_with(".toml");
+    // (a keyword of a package is no feature)
+    let is_manifest = path.ends_with(".toml") && !line.starts_with("keywords");
     names_it(&format!("gym-{family}"))
         || names_it(&format!("gym_{family}"))
         || (is_manifest

@@ -1,7 +1,7 @@
 //! The arrays that the stages of all worlds read and write.
 
 use super::actuators;
-use super::row::{PerWorld, WORLDS};
+use super::per_world::{PerWorld, WORLDS};
 use crate::Model;
 
 /// The arrays of the stages, as in [`Data`](crate::Data).

@@ -26,7 +26,10 @@ const HOPPER: &str = r#"<mujoco>
 /// A pendulum on a ball joint, with an activation: its worlds step one by one.
 const BALL: &str = r#"<mujoco>
   <worldbody>
-    <body><joint type="ball"/><joint name="hinge" axis="0 1 0"/><geom size="0.1" pos="0.3 0 0"/></body>
+    <body>
+      <joint type="ball"/><geom size="0.1" pos="0.3 0 0"/>
+      <body pos="0.5 0 0"><joint name="hinge" axis="0 1 0"/><geom size="0.1" pos="0.3 0 0"/></body>
+    </body>
   </worldbody>
   <actuator><general joint="hinge" dyntype="integrator" gainprm="3"/></actuator>
 </mujoco>"#;

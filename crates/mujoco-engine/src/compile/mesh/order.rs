@@ -1,10 +1,17 @@
 //! The order in which libmujoco goes through the polygons of a mesh: that of a hash map of libc++ (LLVM 20), with which its wheels
 //! for Linux are built. The order is a fact of the bits of the keys and of how the map grows (`__hash_table` in libc++).
 
-/// The hash of a pair of numbers in libmujoco: the bits of both, mixed by exclusive or; a zero has none.
-pub(super) fn hash(first: f64, second: f64) -> u64 {
+use crate::Revision;
+
+/// The hash of a pair of numbers in libmujoco: the bits of both (a zero has none), mixed by exclusive or, in 4.0 as in Boost's
+/// `hash_combine` (found by experiment).
+pub(super) fn hash(first: f64, second: f64, revision: Revision) -> u64 {
     let bits = |x: f64| if x == 0.0 { 0 } else { x.to_bits() };
-    bits(first) ^ bits(second)
+    let (first, second) = (bits(first), bits(second));
+    match revision {
+        Revision::V3_12 => first ^ second,
+        Revision::V4_0 => first ^ second.wrapping_add(0x9e37_79b9).wrapping_add(first << 6).wrapping_add(first >> 2),
+    }
 }
 
 /// The order of iteration after keys with these hashes were inserted one by one.

@@ -4,6 +4,7 @@
 use std::collections::{BTreeMap, HashMap};
 
 use super::order;
+use crate::Revision;
 use crate::math::libm;
 use crate::math::spatial::{MINVAL, Vec3, cross, dot};
 
@@ -22,7 +23,7 @@ pub(super) struct Polygons {
 }
 
 impl Polygons {
-    pub(super) fn new(points: &[Vec3], faces: &[[i32; 3]]) -> Self {
+    pub(super) fn new(points: &[Vec3], faces: &[[i32; 3]], revision: Revision) -> Self {
         // triangles with the same rounded azimuth and polar angle
         let mut groups: Vec<Group> = Vec::new();
         let mut hashes = Vec::new();
@@ -31,14 +32,14 @@ impl Polygons {
             let Some([azimuth, polar]) = key(face.map(|v| points[v as usize])) else { continue };
             let group = *known.entry([azimuth as i64, polar as i64]).or_insert_with(|| {
                 groups.push(Group::default());
-                hashes.push(order::hash(azimuth, polar));
+                hashes.push(order::hash(azimuth, polar, revision));
                 groups.len() - 1
             });
             groups[group].insert(*face);
         }
         let mut polygons = Self { corners: Vec::new(), of_vertex: vec![Vec::new(); points.len()] };
         for i in order::iteration(&hashes) {
-            polygons.corners.extend(groups[i].outlines().into_iter().filter(|outline| outline.len() >= 3));
+            polygons.corners.extend(groups[i].outlines(revision).into_iter().filter(|outline| outline.len() >= 3));
         }
         for (i, corners) in polygons.corners.iter().enumerate() {
             for &v in corners {
@@ -116,9 +117,9 @@ impl Group {
     }
 
     /// The outline of each island, from the oldest edge of the oldest island on.
-    fn outlines(&mut self) -> Vec<Vec<i32>> {
+    fn outlines(&mut self, revision: Revision) -> Vec<Vec<i32>> {
         let edges: Vec<([i32; 2], usize)> = self.edges.iter().flatten().copied().collect();
-        if let [(a, _), (b, _), (c, _)] = edges[..] {
+        if let ([(a, _), (b, _), (c, _)], Revision::V3_12) = (&edges[..], revision) {
             return vec![vec![a[0], b[0], c[0]]];
         }
         let mut islands: BTreeMap<usize, Vec<(usize, [i32; 2])>> = BTreeMap::new();

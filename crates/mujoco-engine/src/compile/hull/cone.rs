@@ -25,6 +25,7 @@ impl Builder<'_> {
         let mut visible = facet;
         while visible != NONE {
             self.planes[visible as usize].visit = mark;
+            self.work += self.facets[visible as usize].neighbors.len() as u64;
             for i in 0..self.facets[visible as usize].neighbors.len() {
                 let neighbor = self.facets[visible as usize].neighbors.get(i);
                 if self.planes[neighbor as usize].visit == mark {

@@ -32,6 +32,11 @@ impl Builder<'_> {
     /// Merges facet `f` into `g`. `range`: how far the vertices of `f` are below and above `g`, if known.
     pub(super) fn merge_facet(&mut self, f: u32, g: u32, reason: Reason, range: Option<(f64, f64)>) -> Result<(), HullError> {
         self.total_merges += 1;
+        for side in [f, g] {
+            let facet = &self.facets[side as usize];
+            self.work += (facet.vertices.len() + facet.ridges.len() + facet.neighbors.len()) as u64;
+        }
+        self.check_work()?;
         if let Some((low, high)) = range {
             let mut most = WIDE * self.constants.one_merge;
             most = fmax(most, self.facets[f as usize].max_outside);

@@ -42,15 +42,16 @@ pub const MOST_POINTS: usize = 1 << 23;
 /// Coordinates beyond it would overflow in products. Those of files, which are `f32`, are below.
 const LARGEST: f64 = 1e70;
 
-/// Distances that may be computed: half a minute's. The meshes of robots take less than a thousandth.
-const MOST_WORK: u64 = 10_000_000_000;
+/// Distances that may be computed, and elements of merged facets that may be visited: about 20 s. A million points on a sphere take
+/// a fortieth; only points on few large circles take many.
+const MOST_WORK: u64 = 2_000_000_000;
 
 /// The convex hull of `points`, with at most `max_vertices` of them if that is given.
 ///
 /// # Errors
 ///
 /// [`HullError`] if the points have no volume, or rounding spoils their hull: libmujoco refuses these too. The limits are
-/// [`MOST_POINTS`] points, 4 million facets at once (2 GB) and ten thousand million distances.
+/// [`MOST_POINTS`] points, 4 million facets at once (2 GB) and two thousand million distances.
 pub fn convex_hull(points: &[[f64; 3]], max_vertices: Option<u32>) -> Result<Graph, HullError> {
     if points.len() < 4 {
         return Err(HullError::TooFew(points.len()));
@@ -258,7 +259,7 @@ impl<'a> Builder<'a> {
     }
 
     fn check_work(&self) -> Result<(), HullError> {
-        if self.work > MOST_WORK { Err(HullError::Limit("ten thousand million distances")) } else { Ok(()) }
+        if self.work > MOST_WORK { Err(HullError::Limit("two thousand million distances")) } else { Ok(()) }
     }
 
     fn next_visit(&mut self) -> u32 {

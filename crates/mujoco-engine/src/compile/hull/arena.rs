@@ -1,8 +1,9 @@
-// Derived from Qhull (http://www.qhull.org), Copyright (c) 1993-2020 C.B. Barber and The Geometry Center; rewritten in Rust,
-// November 2026, for three dimensions and the options that MuJoCo asks for. Its licence is in COPYING.txt beside this file.
+// Derived from Qhull (http://www.qhull.org), Copyright (c) 1993-2020 C.B. Barber and The Geometry
+// Center; rewritten in Rust, November 2026, for three dimensions and the options that MuJoCo asks
+// for. Its licence is in COPYING.txt beside this file.
 
-//! Facets, vertices and ridges live in arenas and name each other by index. Slot 0 of facets and of vertices is the end of their
-//! list, so index 0 also stands for "none": reading it is harmless.
+//! Facets, vertices and ridges live in arenas and name each other by index. Slot 0 of facets and of
+//! vertices is the end of their list, so index 0 also stands for "none": reading it is harmless.
 
 /// No facet, vertex or ridge.
 pub(super) const NONE: u32 = 0;
@@ -28,11 +29,19 @@ impl Set {
 
     #[inline(always)]
     pub(super) fn as_slice(&self) -> &[u32] {
-        if self.len as usize <= INLINE { &self.inline[..self.len as usize] } else { &self.heap }
+        if self.len as usize <= INLINE {
+            &self.inline[..self.len as usize]
+        } else {
+            &self.heap
+        }
     }
 
     fn as_mut_slice(&mut self) -> &mut [u32] {
-        if self.len as usize <= INLINE { &mut self.inline[..self.len as usize] } else { &mut self.heap }
+        if self.len as usize <= INLINE {
+            &mut self.inline[..self.len as usize]
+        } else {
+            &mut self.heap
+        }
     }
 
     #[inline(always)]
@@ -138,7 +147,12 @@ impl Set {
 
     /// Keeps the items that satisfy `keep`, in order.
     pub(super) fn retain(&mut self, mut keep: impl FnMut(u32) -> bool) {
-        let kept: Vec<u32> = self.as_slice().iter().copied().filter(|&item| keep(item)).collect();
+        let kept: Vec<u32> = self
+            .as_slice()
+            .iter()
+            .copied()
+            .filter(|&item| keep(item))
+            .collect();
         if kept.len() < self.len() {
             *self = Self::of(&kept);
         }
@@ -216,7 +230,8 @@ pub(super) struct Vertex {
     pub(super) waiting: Waiting,
 }
 
-/// The facet of a cone that waits for its neighbour along the edge from the apex to a vertex, and the index of that neighbour.
+/// The facet of a cone that waits for its neighbour along the edge from the apex to a vertex, and
+/// the index of that neighbour.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Waiting {
     pub(super) cone: u32,
@@ -239,7 +254,11 @@ impl Ridge {
     /// The facet on the other side of `facet`.
     #[inline]
     pub(super) fn other(&self, facet: u32) -> u32 {
-        if self.top == facet { self.bottom } else { self.top }
+        if self.top == facet {
+            self.bottom
+        } else {
+            self.top
+        }
     }
 
     pub(super) fn has(&self, vertex: u32) -> bool {
@@ -248,6 +267,10 @@ impl Ridge {
 
     /// The end that is not `vertex`.
     pub(super) fn other_vertex(&self, vertex: u32) -> u32 {
-        if self.vertices[0] == vertex { self.vertices[1] } else { self.vertices[0] }
+        if self.vertices[0] == vertex {
+            self.vertices[1]
+        } else {
+            self.vertices[0]
+        }
     }
 }

@@ -1,8 +1,9 @@
-// Derived from Qhull (http://www.qhull.org), Copyright (c) 1993-2020 C.B. Barber and The Geometry Center; rewritten in Rust,
-// November 2026, for three dimensions and the options that MuJoCo asks for. Its licence is in COPYING.txt beside this file.
+// Derived from Qhull (http://www.qhull.org), Copyright (c) 1993-2020 C.B. Barber and The Geometry
+// Center; rewritten in Rust, November 2026, for three dimensions and the options that MuJoCo asks
+// for. Its licence is in COPYING.txt beside this file.
 
-//! The last check: how far points are outside of the hull, and vertices inside of it (`qh_check_maxout`, `poly2_r.c` of Qhull).
-//! It cannot change the graph, only refuse it.
+//! The last check: how far points are outside of the hull, and vertices inside of it
+//! (`qh_check_maxout`, `poly2_r.c` of Qhull). It cannot change the graph, only refuse it.
 
 use super::Builder;
 use super::arena::NONE;
@@ -100,6 +101,10 @@ impl Builder<'_> {
             }
             f = self.planes[f as usize].next;
         }
-        of_point.into_iter().enumerate().filter(|&(_, f)| f != NONE).collect()
+        of_point
+            .into_iter()
+            .enumerate()
+            .filter(|&(_, f)| f != NONE)
+            .collect()
     }
 }

@@ -1,8 +1,9 @@
-// Derived from Qhull (http://www.qhull.org), Copyright (c) 1993-2020 C.B. Barber and The Geometry Center; rewritten in Rust,
-// November 2026, for three dimensions and the options that MuJoCo asks for. Its licence is in COPYING.txt beside this file.
+// Derived from Qhull (http://www.qhull.org), Copyright (c) 1993-2020 C.B. Barber and The Geometry
+// Center; rewritten in Rust, November 2026, for three dimensions and the options that MuJoCo asks
+// for. Its licence is in COPYING.txt beside this file.
 
-//! Adding a point: which facets it sees, the cone of new facets from it to their horizon, and how these fit together
-//! (`libqhull_r.c`, `poly_r.c` of Qhull).
+//! Adding a point: which facets it sees, the cone of new facets from it to their horizon, and how
+//! these fit together (`libqhull_r.c`, `poly_r.c` of Qhull).
 
 use super::Builder;
 use super::arena::{NONE, Ridge, Set, Waiting};
@@ -54,7 +55,11 @@ impl Builder<'_> {
             }
             visible = self.next_visible(visible);
         }
-        if horizon == 0 { Err(HullError::Inconsistent("a point sees every facet")) } else { Ok(()) }
+        if horizon == 0 {
+            Err(HullError::Inconsistent("a point sees every facet"))
+        } else {
+            Ok(())
+        }
     }
 
     /// Makes the cone of new facets with the apex `point` (`qh_buildcone`).
@@ -78,7 +83,8 @@ impl Builder<'_> {
         let apex = self.make_vertex(point);
         self.append_vertex(apex);
         let mark = self.next_visit();
-        // both survive from one visible facet to the next, as in Qhull: a facet without a new one names an earlier one
+        // both survive from one visible facet to the next, as in Qhull: a facet without a new one
+        // names an earlier one
         let (mut from_ridges, mut last) = (NONE, NONE);
         let mut visible = self.first_visible();
         while visible != NONE {
@@ -107,7 +113,12 @@ impl Builder<'_> {
         Ok(())
     }
 
-    fn make_new_facet(&mut self, vertices: Set, top_oriented: bool, horizon: u32) -> Result<u32, HullError> {
+    fn make_new_facet(
+        &mut self,
+        vertices: Set,
+        top_oriented: bool,
+        horizon: u32,
+    ) -> Result<u32, HullError> {
         self.touch_all(&vertices);
         let f = self.make_facet()?;
         let facet = &mut self.facets[f as usize];
@@ -119,8 +130,14 @@ impl Builder<'_> {
         Ok(f)
     }
 
-    /// New facets over the ridges of `visible` to the horizon; the last one, if any (`qh_makenew_nonsimplicial`).
-    pub(super) fn cone_from_ridges(&mut self, visible: u32, apex: u32, mark: u32) -> Result<u32, HullError> {
+    /// New facets over the ridges of `visible` to the horizon; the last one, if any
+    /// (`qh_makenew_nonsimplicial`).
+    pub(super) fn cone_from_ridges(
+        &mut self,
+        visible: u32,
+        apex: u32,
+        mark: u32,
+    ) -> Result<u32, HullError> {
         let mut last = NONE;
         for i in 0..self.facets[visible as usize].ridges.len() {
             let r = self.facets[visible as usize].ridges.get(i);
@@ -140,14 +157,18 @@ impl Builder<'_> {
             let horizon = &mut self.facets[neighbor as usize];
             if horizon.coplanar_horizon {
                 if horizon.seen {
-                    return Err(HullError::Unsupported("a merge of several facets into one at once"));
+                    return Err(HullError::Unsupported(
+                        "a merge of several facets into one at once",
+                    ));
                 }
                 self.facets[f as usize].merge_horizon = true;
             }
             let horizon = &mut self.facets[neighbor as usize];
             if horizon.seen {
                 if horizon.simplicial {
-                    return Err(HullError::Inconsistent("a triangle has two edges in common with a facet"));
+                    return Err(HullError::Inconsistent(
+                        "a triangle has two edges in common with a facet",
+                    ));
                 }
                 horizon.neighbors.push(f);
             } else if !horizon.neighbors.replace(visible, f) {
@@ -168,7 +189,8 @@ impl Builder<'_> {
         Ok(last)
     }
 
-    /// New facets over the edges of a visible triangle to the horizon; the last one, if any (`qh_makenew_simplicial`).
+    /// New facets over the edges of a visible triangle to the horizon; the last one, if any
+    /// (`qh_makenew_simplicial`).
     fn cone_from_triangle(&mut self, visible: u32, apex: u32) -> Result<u32, HullError> {
         let mut last = NONE;
         for i in 0..self.facets[visible as usize].neighbors.len() {
@@ -177,7 +199,10 @@ impl Builder<'_> {
             if horizon.seen || self.planes[neighbor as usize].visible {
                 continue;
             }
-            let skip = horizon.neighbors.position(visible).ok_or(HullError::Inconsistent("a facet lacks its neighbour"))?;
+            let skip = horizon
+                .neighbors
+                .position(visible)
+                .ok_or(HullError::Inconsistent("a facet lacks its neighbour"))?;
             let mut vertices = Set::of(&[apex]);
             for (k, &v) in horizon.vertices.as_slice().iter().enumerate() {
                 if k != skip {
@@ -197,7 +222,8 @@ impl Builder<'_> {
         Ok(last)
     }
 
-    /// Makes new facets neighbours along the edges from the apex. Qhull hashes the edges; here each waits at its other vertex.
+    /// Makes new facets neighbours along the edges from the apex. Qhull hashes the edges; here each
+    /// waits at its other vertex.
     pub(super) fn match_new_facets(&mut self) -> Result<(), HullError> {
         self.cones += 1;
         let mut unmatched = 0i64;
@@ -206,9 +232,17 @@ impl Builder<'_> {
             for skip in [1, 2] {
                 let facet = &self.facets[f as usize];
                 let v = facet.vertices.get(3 - skip) as usize;
-                let Waiting { cone, facet: other, skip: other_skip } = self.vertices[v].waiting;
+                let Waiting {
+                    cone,
+                    facet: other,
+                    skip: other_skip,
+                } = self.vertices[v].waiting;
                 if cone != self.cones {
-                    self.vertices[v].waiting = Waiting { cone: self.cones, facet: f, skip };
+                    self.vertices[v].waiting = Waiting {
+                        cone: self.cones,
+                        facet: f,
+                        skip,
+                    };
                     unmatched += 1;
                     continue;
                 }
@@ -223,11 +257,15 @@ impl Builder<'_> {
             }
             f = self.planes[f as usize].next;
         }
-        if unmatched == 0 { Ok(()) } else { Err(HullError::Inconsistent("an edge with one new facet")) }
+        if unmatched == 0 {
+            Ok(())
+        } else {
+            Err(HullError::Inconsistent("an edge with one new facet"))
+        }
     }
 
-    /// Replaces visible facets by new ones among the neighbours of vertices, and finds the vertices that are left without any
-    /// (`qh_update_vertexneighbors_cone`).
+    /// Replaces visible facets by new ones among the neighbours of vertices, and finds the vertices
+    /// that are left without any (`qh_update_vertexneighbors_cone`).
     fn update_vertex_neighbors(&mut self) {
         if self.has_vertex_neighbors {
             let mut v = self.newvertex_list;
@@ -254,7 +292,11 @@ impl Builder<'_> {
                 }
                 let planes = &self.planes;
                 let survives = self.has_vertex_neighbors
-                    && vertex.neighbors.as_slice().iter().any(|&neighbor| !planes[neighbor as usize].visible);
+                    && vertex
+                        .neighbors
+                        .as_slice()
+                        .iter()
+                        .any(|&neighbor| !planes[neighbor as usize].visible);
                 if survives {
                     vertex.neighbors.delete(visible);
                 } else {

@@ -1,8 +1,10 @@
-// Derived from Qhull (http://www.qhull.org), Copyright (c) 1993-2020 C.B. Barber and The Geometry Center; rewritten in Rust,
-// November 2026, for three dimensions and the options that MuJoCo asks for. Its licence is in COPYING.txt beside this file.
+// Derived from Qhull (http://www.qhull.org), Copyright (c) 1993-2020 C.B. Barber and The Geometry
+// Center; rewritten in Rust, November 2026, for three dimensions and the options that MuJoCo asks
+// for. Its licence is in COPYING.txt beside this file.
 
-//! How far from a plane rounding can put a point, from the size of the set: every tolerance of the algorithm.
-//! After `qh_maxmin`, `qh_detroundoff` and `qh_detmaxoutside` (`geom2_r.c`), with their order of operations.
+//! How far from a plane rounding can put a point, from the size of the set: every tolerance of the
+//! algorithm. After `qh_maxmin`, `qh_detroundoff` and `qh_detmaxoutside` (`geom2_r.c`), with their
+//! order of operations.
 
 use super::Builder;
 
@@ -82,7 +84,10 @@ impl Builder<'_> {
         c.min_visible = c.centrum_radius;
         c.max_coplanar = c.min_visible;
         c.min_outside = 2.0 * c.min_visible;
-        c.wide_facet = fmax(fmax(c.min_outside, WIDE_COPLANAR * c.max_coplanar), WIDE_COPLANAR * c.min_visible);
+        c.wide_facet = fmax(
+            fmax(c.min_outside, WIDE_COPLANAR * c.max_coplanar),
+            WIDE_COPLANAR * c.min_visible,
+        );
         self.max_outside = 0.0;
         self.min_vertex = -self.dist_round;
         self.determine_target();
@@ -91,7 +96,10 @@ impl Builder<'_> {
 
     /// How far outside a point may be before its facet is questioned.
     pub(super) fn determine_target(&mut self) {
-        self.target = fmax(fmax(self.max_outside, self.constants.one_merge + self.dist_round), self.constants.min_outside);
+        self.target = fmax(
+            fmax(self.max_outside, self.constants.one_merge + self.dist_round),
+            self.constants.min_outside,
+        );
     }
 
     pub(super) fn many_merges(&self) -> bool {

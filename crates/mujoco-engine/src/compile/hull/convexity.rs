@@ -1,8 +1,9 @@
-// Derived from Qhull (http://www.qhull.org), Copyright (c) 1993-2020 C.B. Barber and The Geometry Center; rewritten in Rust,
-// November 2026, for three dimensions and the options that MuJoCo asks for. Its licence is in COPYING.txt beside this file.
+// Derived from Qhull (http://www.qhull.org), Copyright (c) 1993-2020 C.B. Barber and The Geometry
+// Center; rewritten in Rust, November 2026, for three dimensions and the options that MuJoCo asks
+// for. Its licence is in COPYING.txt beside this file.
 
-//! Which facets must merge after a point was added: the tests, the queue, and its order (`qh_premerge` and what it calls,
-//! `merge_r.c` of Qhull).
+//! Which facets must merge after a point was added: the tests, the queue, and its order
+//! (`qh_premerge` and what it calls, `merge_r.c` of Qhull).
 
 use super::Builder;
 use super::arena::{NONE, Ridge};
@@ -35,13 +36,17 @@ impl Builder<'_> {
         self.merge_all(merged)
     }
 
-    /// Whether the new facets and their horizon are triangles that are clearly convex (`qh_checkzero`).
+    /// Whether the new facets and their horizon are triangles that are clearly convex
+    /// (`qh_checkzero`).
     fn new_facets_are_convex(&mut self) -> bool {
         let mut f = self.first_new();
         while f != NONE {
             let facet = &self.facets[f as usize];
             let horizon = facet.neighbors.get(0);
-            if !self.facets[horizon as usize].simplicial || self.planes[f as usize].flipped || !facet.has_plane {
+            if !self.facets[horizon as usize].simplicial
+                || self.planes[f as usize].flipped
+                || !facet.has_plane
+            {
                 self.all_clear = false;
                 return false;
             }
@@ -59,7 +64,11 @@ impl Builder<'_> {
                 }
             }
             let horizon = &self.facets[facet.neighbors.get(0) as usize];
-            if let Some(&v) = horizon.vertices.as_slice().iter().find(|v| !base.contains(v))
+            if let Some(&v) = horizon
+                .vertices
+                .as_slice()
+                .iter()
+                .find(|v| !base.contains(v))
                 && self.vertex_distance(v, f) >= near
             {
                 self.all_clear = false;
@@ -166,7 +175,9 @@ impl Builder<'_> {
                 }
                 for i in 0..self.facets[f as usize].ridges.len() {
                     let r = self.facets[f as usize].ridges.get(i);
-                    let Ridge { tested, nonconvex, .. } = self.ridges[r as usize];
+                    let Ridge {
+                        tested, nonconvex, ..
+                    } = self.ridges[r as usize];
                     if tested && !nonconvex {
                         continue;
                     }
@@ -191,10 +202,15 @@ impl Builder<'_> {
         Ok(())
     }
 
-    /// By reason, then by distance, descending: merges are taken from the end. The order of equal ones is kept.
+    /// By reason, then by distance, descending: merges are taken from the end. The order of equal
+    /// ones is kept.
     fn sort_merges(&mut self) {
         self.merges.sort_by(|a, b| {
-            b.reason.cmp(&a.reason).then(b.distance.partial_cmp(&a.distance).unwrap_or(std::cmp::Ordering::Equal))
+            b.reason.cmp(&a.reason).then(
+                b.distance
+                    .partial_cmp(&a.distance)
+                    .unwrap_or(std::cmp::Ordering::Equal),
+            )
         });
     }
 
@@ -207,34 +223,61 @@ impl Builder<'_> {
         let centrum = self.centrum(neighbor);
         let distance2 = self.planes[f as usize].distance(centrum);
         let concave = distance > radius || distance2 > radius;
-        let coplanar = (-radius..=radius).contains(&distance) || (-radius..=radius).contains(&distance2);
+        let coplanar =
+            (-radius..=radius).contains(&distance) || (-radius..=radius).contains(&distance2);
         if distance.is_nan() || distance2.is_nan() {
             return Err(HullError::Inconsistent("a distance is not a number"));
         }
-        match (concave, coplanar) {
+        let (first, second, reason, distance) = match (concave, coplanar) {
             (false, false) => return Ok(false),
-            (true, true) if distance > distance2 => self.queue(f, neighbor, Reason::ConcaveCoplanar, distance)?,
-            (true, true) => self.queue(neighbor, f, Reason::ConcaveCoplanar, distance2)?,
-            (true, false) => self.queue(f, neighbor, Reason::Concave, fmax(distance, distance2))?,
-            (false, true) => self.queue(f, neighbor, Reason::Coplanar, fmin(distance.abs(), distance2.abs()))?,
-        }
+            (true, true) if distance > distance2 => {
+                (f, neighbor, Reason::ConcaveCoplanar, distance)
+            }
+            (true, true) => (neighbor, f, Reason::ConcaveCoplanar, distance2),
+            (true, false) => (f, neighbor, Reason::Concave, fmax(distance, distance2)),
+            (false, true) => {
+                let least = fmin(distance.abs(), distance2.abs());
+                (f, neighbor, Reason::Coplanar, least)
+            }
+        };
+        self.queue(first, second, reason, distance)?;
         Ok(true)
     }
 
     /// `qh_appendmergeset`
-    pub(super) fn queue(&mut self, facet: u32, neighbor: u32, reason: Reason, distance: f64) -> Result<(), HullError> {
+    pub(super) fn queue(
+        &mut self,
+        facet: u32,
+        neighbor: u32,
+        reason: Reason,
+        distance: f64,
+    ) -> Result<(), HullError> {
         let state = &self.facets[facet as usize];
-        if state.redundant || self.facets[neighbor as usize].redundant || (state.degenerate && reason == Reason::Degenerate) {
+        if state.redundant
+            || self.facets[neighbor as usize].redundant
+            || (state.degenerate && reason == Reason::Degenerate)
+        {
             return Ok(());
         }
         if self.planes[neighbor as usize].flipped && !self.planes[facet as usize].flipped {
-            return Err(HullError::Inconsistent("a facet would merge into a flipped one"));
+            return Err(HullError::Inconsistent(
+                "a facet would merge into a flipped one",
+            ));
         }
-        let merge = Merge { facet, neighbor, reason, distance };
+        let merge = Merge {
+            facet,
+            neighbor,
+            reason,
+            distance,
+        };
         match reason {
             Reason::Degenerate => {
                 self.facets[facet as usize].degenerate = true;
-                if self.degenerate.last().is_none_or(|last| last.reason == Reason::Degenerate) {
+                if self
+                    .degenerate
+                    .last()
+                    .is_none_or(|last| last.reason == Reason::Degenerate)
+                {
                     self.degenerate.push(merge);
                 } else {
                     self.degenerate.insert(0, merge);
@@ -258,11 +301,19 @@ impl Builder<'_> {
                     self.merge_degenerate()?;
                     merged = true;
                 }
-                while let Some(Merge { facet, neighbor, reason, .. }) = self.merges.pop() {
-                    if self.planes[facet as usize].visible || self.planes[neighbor as usize].visible {
+                while let Some(Merge {
+                    facet,
+                    neighbor,
+                    reason,
+                    ..
+                }) = self.merges.pop()
+                {
+                    if self.planes[facet as usize].visible || self.planes[neighbor as usize].visible
+                    {
                         continue;
                     }
-                    let untested = |f: u32| !self.facets[f as usize].tested && self.planes[f as usize].new;
+                    let untested =
+                        |f: u32| !self.facets[f as usize].tested && self.planes[f as usize].new;
                     if reason == Reason::Coplanar && (untested(facet) || untested(neighbor)) {
                         continue;
                     }
@@ -284,8 +335,17 @@ impl Builder<'_> {
     }
 
     /// Merges one of two facets into the nearest of its neighbours.
-    fn merge_nonconvex(&mut self, facet: u32, neighbor: u32, reason: Reason) -> Result<(), HullError> {
-        let (first, second) = if self.planes[facet as usize].new { (facet, neighbor) } else { (neighbor, facet) };
+    fn merge_nonconvex(
+        &mut self,
+        facet: u32,
+        neighbor: u32,
+        reason: Reason,
+    ) -> Result<(), HullError> {
+        let (first, second) = if self.planes[facet as usize].new {
+            (facet, neighbor)
+        } else {
+            (neighbor, facet)
+        };
         let (best, distance, range) = self.best_neighbor(first)?;
         let (best2, distance2, range2) = self.best_neighbor(second)?;
         if distance < distance2 {
@@ -310,11 +370,18 @@ impl Builder<'_> {
         }
         if best.0 == NONE {
             for i in 0..self.facets[f as usize].neighbors.len() {
-                self.try_neighbor(f, self.facets[f as usize].neighbors.get(i), by_centrum, &mut best);
+                self.try_neighbor(
+                    f,
+                    self.facets[f as usize].neighbors.get(i),
+                    by_centrum,
+                    &mut best,
+                );
             }
         }
         if best.0 == NONE {
-            return Err(HullError::Inconsistent("a facet has no neighbour to merge into"));
+            return Err(HullError::Inconsistent(
+                "a facet has no neighbour to merge into",
+            ));
         }
         if by_centrum {
             best.2 = self.range(f, best.0);
@@ -322,7 +389,13 @@ impl Builder<'_> {
         Ok(best)
     }
 
-    fn try_neighbor(&mut self, f: u32, neighbor: u32, by_centrum: bool, best: &mut (u32, f64, (f64, f64))) {
+    fn try_neighbor(
+        &mut self,
+        f: u32,
+        neighbor: u32,
+        by_centrum: bool,
+        best: &mut (u32, f64, (f64, f64)),
+    ) {
         let flipped = |f: u32| self.planes[f as usize].flipped;
         if flipped(f) && flipped(neighbor) && best.0 != NONE && !flipped(best.0) {
             return;
@@ -330,11 +403,19 @@ impl Builder<'_> {
         let range = if by_centrum {
             let centrum = self.centrum(f);
             let distance = self.planes[neighbor as usize].distance(centrum) * 3.0;
-            if distance < 0.0 { (distance, 0.0) } else { (0.0, distance) }
+            if distance < 0.0 {
+                (distance, 0.0)
+            } else {
+                (0.0, distance)
+            }
         } else {
             self.range(f, neighbor)
         };
-        let distance = if range.1 > -range.0 { range.1 } else { -range.0 };
+        let distance = if range.1 > -range.0 {
+            range.1
+        } else {
+            -range.0
+        };
         if distance < best.1 {
             *best = (neighbor, distance, range);
         }
@@ -359,7 +440,12 @@ impl Builder<'_> {
             if facet.degenerate || facet.redundant || turned {
                 continue;
             }
-            if facet.vertices.as_slice().iter().all(|&v| self.vertices[v as usize].visit == mark) {
+            if facet
+                .vertices
+                .as_slice()
+                .iter()
+                .all(|&v| self.vertices[v as usize].visit == mark)
+            {
                 self.queue(neighbor, f, Reason::Redundant, 0.0)?;
             }
         }
@@ -381,7 +467,8 @@ impl Builder<'_> {
         Ok(())
     }
 
-    /// Queues a facet that another one has all vertices of, or that has fewer than three neighbours.
+    /// Queues a facet that another one has all vertices of, or that has fewer than three
+    /// neighbours.
     pub(super) fn test_degenerate_or_redundant(&mut self, f: u32) -> Result<(), HullError> {
         if self.planes[f as usize].flipped {
             return Ok(());
@@ -398,7 +485,12 @@ impl Builder<'_> {
             for &v in self.facets[neighbor as usize].vertices.as_slice() {
                 self.vertices[v as usize].visit = mark;
             }
-            if self.facets[f as usize].vertices.as_slice().iter().all(|&v| self.vertices[v as usize].visit == mark) {
+            if self.facets[f as usize]
+                .vertices
+                .as_slice()
+                .iter()
+                .all(|&v| self.vertices[v as usize].visit == mark)
+            {
                 return self.queue(f, neighbor, Reason::Redundant, 0.0);
             }
         }
@@ -408,10 +500,17 @@ impl Builder<'_> {
         Ok(())
     }
 
-    /// Serves the queue of degenerate and redundant facets; whether any merged (`qh_merge_degenredundant`).
+    /// Serves the queue of degenerate and redundant facets; whether any merged
+    /// (`qh_merge_degenredundant`).
     pub(super) fn merge_degenerate(&mut self) -> Result<bool, HullError> {
         let mut merged = false;
-        while let Some(Merge { facet: f, neighbor, reason, .. }) = self.degenerate.pop() {
+        while let Some(Merge {
+            facet: f,
+            neighbor,
+            reason,
+            ..
+        }) = self.degenerate.pop()
+        {
             if self.planes[f as usize].visible {
                 continue;
             }
@@ -421,7 +520,9 @@ impl Builder<'_> {
             if reason == Reason::Redundant {
                 let target = self.replacement(neighbor)?;
                 if target == NONE {
-                    return Err(HullError::Inconsistent("a redundant facet has no replacement"));
+                    return Err(HullError::Inconsistent(
+                        "a redundant facet has no replacement",
+                    ));
                 }
                 if target != f {
                     self.merge_facet(f, target, reason, None)?;

@@ -1,6 +1,7 @@
 //! Why a set of points has no hull.
 
-/// Why a set of points has no hull here. libmujoco refuses the same sets, except those of `Unsupported` and of the limits.
+/// Why a set of points has no hull here. libmujoco refuses the same sets, except those of
+/// `Unsupported` and of the limits.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum HullError {
@@ -22,7 +23,9 @@ pub enum HullError {
     #[error("maxhullvert = {0}: at least 4 are needed")]
     MaxVertices(u32),
     /// All points are nearly in one plane, on one line or at one place.
-    #[error("the points are nearly in one plane, on one line or at one place, so they have no hull with a volume")]
+    #[error(
+        "the points are nearly in one plane, on one line or at one place, so they have no hull with a volume"
+    )]
     Flat,
     /// Rounding made facets that are too thick.
     #[error("rounding makes a facet of the hull too thick: remove vertices that nearly coincide")]
@@ -31,7 +34,9 @@ pub enum HullError {
     #[error("rounding leaves too few facets for a hull: remove vertices that nearly coincide")]
     TooFewFacets,
     /// A case that no mesh was seen to need: `0` names it.
-    #[error("the hull of these points needs {0}, which is not supported: remove vertices that nearly coincide")]
+    #[error(
+        "the hull of these points needs {0}, which is not supported: remove vertices that nearly coincide"
+    )]
     Unsupported(&'static str),
     /// The facets do not fit together: `0` names how.
     #[error("the hull's facets do not fit together ({0}): remove vertices that nearly coincide")]

@@ -13,16 +13,23 @@ pub struct Graph {
     pub edge_starts: Vec<u32>,
     /// The neighbours of each vertex, by their number in `points`; -1 ends each list.
     pub edges: Vec<i32>,
-    /// The corners of each triangle, by their number among the points, counterclockwise from outside.
+    /// The corners of each triangle, by their number among the points, counterclockwise from
+    /// outside.
     pub faces: Vec<[u32; 3]>,
 }
 
 impl Graph {
-    /// `mesh_graph`: the counts of vertices and triangles, then `edge_starts`, `points`, `edges` and `faces`.
+    /// `mesh_graph`: the counts of vertices and triangles, then `edge_starts`, `points`, `edges`
+    /// and `faces`.
     #[must_use]
     pub fn to_integers(&self) -> Vec<i32> {
         let mut integers = vec![self.points.len() as i32, self.faces.len() as i32];
-        integers.extend(self.edge_starts.iter().chain(&self.points).map(|&i| i as i32));
+        integers.extend(
+            self.edge_starts
+                .iter()
+                .chain(&self.points)
+                .map(|&i| i as i32),
+        );
         integers.extend(&self.edges);
         integers.extend(self.faces.iter().flatten().map(|&i| i as i32));
         integers
@@ -69,12 +76,23 @@ impl Builder<'_> {
             if facet.vertices.len() != 3 {
                 return Err(HullError::Inconsistent("a facet is no triangle"));
             }
-            faces.push(if facet.top_oriented { [b, a, c] } else { [a, b, c] });
+            faces.push(if facet.top_oriented {
+                [b, a, c]
+            } else {
+                [a, b, c]
+            });
             f = self.planes[f as usize].next;
         }
         if edges.len() != points.len() + 3 * faces.len() {
-            return Err(HullError::Inconsistent("the edges are not those of the triangles"));
+            return Err(HullError::Inconsistent(
+                "the edges are not those of the triangles",
+            ));
         }
-        Ok(Graph { points, edge_starts, edges, faces })
+        Ok(Graph {
+            points,
+            edge_starts,
+            edges,
+            faces,
+        })
     }
 }

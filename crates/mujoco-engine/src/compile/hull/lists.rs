@@ -1,8 +1,9 @@
-// Derived from Qhull (http://www.qhull.org), Copyright (c) 1993-2020 C.B. Barber and The Geometry Center; rewritten in Rust,
-// November 2026, for three dimensions and the options that MuJoCo asks for. Its licence is in COPYING.txt beside this file.
+// Derived from Qhull (http://www.qhull.org), Copyright (c) 1993-2020 C.B. Barber and The Geometry
+// Center; rewritten in Rust, November 2026, for three dimensions and the options that MuJoCo asks
+// for. Its licence is in COPYING.txt beside this file.
 
-//! The lists of facets and of vertices, with the marks in them. Removing an element moves every mark on it to its successor; the
-//! order of the lists is the order of the graph.
+//! The lists of facets and of vertices, with the marks in them. Removing an element moves every
+//! mark on it to its successor; the order of the lists is the order of the graph.
 
 use super::Builder;
 use super::arena::{Facet, NONE, Plane, Ridge, Set, Vertex};
@@ -17,8 +18,15 @@ const MOST_FACETS: usize = 1 << 22;
 impl Builder<'_> {
     /// A facet in no list.
     pub(super) fn make_facet(&mut self) -> Result<u32, HullError> {
-        let facet = Facet { max_outside: self.dist_round, simplicial: true, ..Facet::default() };
-        let plane = Plane { new: true, ..Plane::default() };
+        let facet = Facet {
+            max_outside: self.dist_round,
+            simplicial: true,
+            ..Facet::default()
+        };
+        let plane = Plane {
+            new: true,
+            ..Plane::default()
+        };
         if let Some(slot) = self.free_facets.pop() {
             self.facets[slot as usize] = facet;
             self.planes[slot as usize] = plane;
@@ -33,7 +41,10 @@ impl Builder<'_> {
     }
 
     pub(super) fn make_vertex(&mut self, point: u32) -> u32 {
-        self.vertices.push(Vertex { point, ..Vertex::default() });
+        self.vertices.push(Vertex {
+            point,
+            ..Vertex::default()
+        });
         self.vertices.len() as u32 - 1
     }
 
@@ -90,7 +101,11 @@ impl Builder<'_> {
 
     pub(super) fn remove_facet(&mut self, f: u32) {
         let Plane { next, previous, .. } = self.planes[f as usize];
-        for mark in [&mut self.newfacet_list, &mut self.facet_next, &mut self.visible_list] {
+        for mark in [
+            &mut self.newfacet_list,
+            &mut self.facet_next,
+            &mut self.visible_list,
+        ] {
             if *mark == f {
                 *mark = next;
             }
@@ -111,7 +126,11 @@ impl Builder<'_> {
     /// Moves a merged facet to the visible ones; `replace` takes over.
     pub(super) fn will_delete(&mut self, f: u32, replace: u32) {
         self.remove_facet(f);
-        let at = if self.visible_list == NOWHERE { NONE } else { self.visible_list };
+        let at = if self.visible_list == NOWHERE {
+            NONE
+        } else {
+            self.visible_list
+        };
         self.prepend_facet(f, at);
         self.visible_list = f;
         self.num_visible += 1;
@@ -179,7 +198,11 @@ impl Builder<'_> {
 
     /// The first of the facets from the mark `newfacet_list` on, or none.
     pub(super) fn first_new(&self) -> u32 {
-        if self.newfacet_list == NOWHERE { NONE } else { self.newfacet_list }
+        if self.newfacet_list == NOWHERE {
+            NONE
+        } else {
+            self.newfacet_list
+        }
     }
 
     /// The first visible facet, or none.
@@ -193,7 +216,11 @@ impl Builder<'_> {
     }
 
     fn visible_from(&self, f: u32) -> u32 {
-        if f != NOWHERE && self.planes[f as usize].visible { f } else { NONE }
+        if f != NOWHERE && self.planes[f as usize].visible {
+            f
+        } else {
+            NONE
+        }
     }
 
     /// Deletes the facets and the vertices that the last point made superfluous.

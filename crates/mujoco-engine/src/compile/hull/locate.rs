@@ -1,7 +1,9 @@
-// Derived from Qhull (http://www.qhull.org), Copyright (c) 1993-2020 C.B. Barber and The Geometry Center; rewritten in Rust,
-// November 2026, for three dimensions and the options that MuJoCo asks for. Its licence is in COPYING.txt beside this file.
+// Derived from Qhull (http://www.qhull.org), Copyright (c) 1993-2020 C.B. Barber and The Geometry
+// Center; rewritten in Rust, November 2026, for three dimensions and the options that MuJoCo asks
+// for. Its licence is in COPYING.txt beside this file.
 
-//! Which facet a point is above (`qh_findbest`, `qh_findbestnew`, `qh_findbesthorizon` in `geom_r.c` of Qhull).
+//! Which facet a point is above (`qh_findbest`, `qh_findbestnew`, `qh_findbesthorizon` in
+//! `geom_r.c` of Qhull).
 
 use super::Builder;
 use super::arena::NONE;
@@ -21,8 +23,14 @@ pub(super) struct Found {
 }
 
 impl Builder<'_> {
-    /// Searches uphill from `start`. With `exhaustive`, all facets near the best one, and never only the new ones.
-    pub(super) fn find_best(&mut self, position: [f64; 3], start: u32, exhaustive: bool) -> Result<Found, HullError> {
+    /// Searches uphill from `start`. With `exhaustive`, all facets near the best one, and never
+    /// only the new ones.
+    pub(super) fn find_best(
+        &mut self,
+        position: [f64; 3],
+        start: u32,
+        exhaustive: bool,
+    ) -> Result<Found, HullError> {
         let only_new = !exhaustive;
         let min_outside = self.constants.min_outside;
         let mark = self.next_visit();
@@ -31,7 +39,11 @@ impl Builder<'_> {
         if !self.planes[start as usize].flipped {
             let distance = self.planes[start as usize].distance(position);
             if !exhaustive && distance >= min_outside {
-                return Ok(Found { facet: start, distance, outside: true });
+                return Ok(Found {
+                    facet: start,
+                    distance,
+                    outside: true,
+                });
             }
             (best, best_distance) = (start, distance);
         }
@@ -52,7 +64,11 @@ impl Builder<'_> {
                 let distance = plane.distance(position);
                 if distance > best_distance {
                     if !exhaustive && distance >= min_outside {
-                        return Ok(Found { facet: neighbor, distance, outside: true });
+                        return Ok(Found {
+                            facet: neighbor,
+                            distance,
+                            outside: true,
+                        });
                     }
                     (best, best_distance) = (neighbor, distance);
                     next = neighbor;
@@ -61,7 +77,11 @@ impl Builder<'_> {
             }
             facet = next;
         }
-        let mut found = Found { facet: best, distance: best_distance, outside: true };
+        let mut found = Found {
+            facet: best,
+            distance: best_distance,
+            outside: true,
+        };
         let mut wide = false;
         if only_new {
             if best == NONE {
@@ -81,7 +101,8 @@ impl Builder<'_> {
             return Err(HullError::Unsupported("a search among flipped facets"));
         }
         if !wide {
-            (found.facet, found.distance) = self.find_best_horizon(position, found.facet, found.distance, false);
+            (found.facet, found.distance) =
+                self.find_best_horizon(position, found.facet, found.distance, false);
         }
         if found.distance < min_outside {
             found.outside = false;
@@ -89,13 +110,22 @@ impl Builder<'_> {
         Ok(found)
     }
 
-    /// The best of the facets from `start` to the list's end and of the new ones before it. Unless `exhaustive`, the first that the
-    /// point is clearly outside of.
-    pub(super) fn find_best_new(&mut self, position: [f64; 3], start: u32, exhaustive: bool) -> Result<Found, HullError> {
+    /// The best of the facets from `start` to the list's end and of the new ones before it. Unless
+    /// `exhaustive`, the first that the point is clearly outside of.
+    pub(super) fn find_best_new(
+        &mut self,
+        position: [f64; 3],
+        start: u32,
+        exhaustive: bool,
+    ) -> Result<Found, HullError> {
         if start == NONE || start == NOWHERE {
             return Err(HullError::Inconsistent("no new facets"));
         }
-        let enough = if exhaustive { f64::INFINITY } else { self.clearly_outside() };
+        let enough = if exhaustive {
+            f64::INFINITY
+        } else {
+            self.clearly_outside()
+        };
         let mark = self.next_visit();
         let (mut best, mut best_distance) = (NONE, FAR_BELOW);
         for (first, end) in [(start, NONE), (self.first_new(), start)] {
@@ -109,7 +139,11 @@ impl Builder<'_> {
                     if distance > best_distance {
                         best = facet;
                         if distance >= enough {
-                            return Ok(Found { facet, distance, outside: true });
+                            return Ok(Found {
+                                facet,
+                                distance,
+                                outside: true,
+                            });
                         }
                         best_distance = distance;
                     }
@@ -119,12 +153,22 @@ impl Builder<'_> {
         }
         let from = if best == NONE { start } else { best };
         let (facet, distance) = self.find_best_horizon(position, from, best_distance, false);
-        Ok(Found { facet, distance, outside: distance >= self.constants.min_outside })
+        Ok(Found {
+            facet,
+            distance,
+            outside: distance >= self.constants.min_outside,
+        })
     }
 
-    /// A better facet among those near the best one. `check` is the last check of all points, which also notes how far they are
-    /// outside.
-    pub(super) fn find_best_horizon(&mut self, position: [f64; 3], start: u32, distance: f64, check: bool) -> (u32, f64) {
+    /// A better facet among those near the best one. `check` is the last check of all points, which
+    /// also notes how far they are outside.
+    pub(super) fn find_best_horizon(
+        &mut self,
+        position: [f64; 3],
+        start: u32,
+        distance: f64,
+        check: bool,
+    ) -> (u32, f64) {
         let (mut best, mut best_distance) = (start, distance);
         let mark = self.next_visit();
         if check {
@@ -179,7 +223,11 @@ impl Builder<'_> {
                 }
                 pending = neighbor;
             }
-            facet = if pending != NONE { pending } else { stack.pop().unwrap_or(NONE) };
+            facet = if pending != NONE {
+                pending
+            } else {
+                stack.pop().unwrap_or(NONE)
+            };
             if facet == NONE {
                 break;
             }

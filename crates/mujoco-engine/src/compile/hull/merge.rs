@@ -1,5 +1,6 @@
-// Derived from Qhull (http://www.qhull.org), Copyright (c) 1993-2020 C.B. Barber and The Geometry Center; rewritten in Rust,
-// November 2026, for three dimensions and the options that MuJoCo asks for. Its licence is in COPYING.txt beside this file.
+// Derived from Qhull (http://www.qhull.org), Copyright (c) 1993-2020 C.B. Barber and The Geometry
+// Center; rewritten in Rust, November 2026, for three dimensions and the options that MuJoCo asks
+// for. Its licence is in COPYING.txt beside this file.
 
 //! Merging a facet into a neighbour (`qh_mergefacet` and what it calls, `merge_r.c` of Qhull).
 
@@ -24,13 +25,21 @@ pub(super) enum Reason {
     Flipped,
     Degenerate,
     Redundant,
-    /// A new facet on a horizon that the point is coplanar with: its apex is the vertex that it brings.
+    /// A new facet on a horizon that the point is coplanar with: its apex is the vertex that it
+    /// brings.
     CoplanarHorizon,
 }
 
 impl Builder<'_> {
-    /// Merges facet `f` into `g`. `range`: how far the vertices of `f` are below and above `g`, if known.
-    pub(super) fn merge_facet(&mut self, f: u32, g: u32, reason: Reason, range: Option<(f64, f64)>) -> Result<(), HullError> {
+    /// Merges facet `f` into `g`. `range`: how far the vertices of `f` are below and above `g`, if
+    /// known.
+    pub(super) fn merge_facet(
+        &mut self,
+        f: u32,
+        g: u32,
+        reason: Reason,
+        range: Option<(f64, f64)>,
+    ) -> Result<(), HullError> {
         self.total_merges += 1;
         for side in [f, g] {
             let facet = &self.facets[side as usize];
@@ -64,7 +73,8 @@ impl Builder<'_> {
             facet.max_outside = fmax(facet.max_outside, high);
             facet.keep_centrum |= wide;
         }
-        let merges = (self.facets[f as usize].merges + self.facets[g as usize].merges + 1).min(MOST_MERGES);
+        let merges =
+            (self.facets[f as usize].merges + self.facets[g as usize].merges + 1).min(MOST_MERGES);
         let facet = &mut self.facets[g as usize];
         facet.merges = merges;
         facet.new_merge = true;
@@ -116,7 +126,11 @@ impl Builder<'_> {
             let facet = &self.facets[f as usize];
             let mut vertices = facet.vertices.clone();
             vertices.delete_sorted_at(i);
-            let (top, bottom) = if facet.top_oriented ^ (i % 2 == 1) { (f, neighbor) } else { (neighbor, f) };
+            let (top, bottom) = if facet.top_oriented ^ (i % 2 == 1) {
+                (f, neighbor)
+            } else {
+                (neighbor, f)
+            };
             let r = self.make_ridge(Ridge {
                 vertices: [vertices.get(0), vertices.get(1)],
                 top,
@@ -137,7 +151,12 @@ impl Builder<'_> {
         if self.ridges[r as usize].nonconvex {
             self.pass_on_nonconvex(r);
         }
-        let Ridge { vertices, top, bottom, .. } = self.ridges[r as usize];
+        let Ridge {
+            vertices,
+            top,
+            bottom,
+            ..
+        } = self.ridges[r as usize];
         for v in vertices {
             self.vertices[v as usize].lost_ridge = true;
         }
@@ -209,7 +228,12 @@ impl Builder<'_> {
                     break;
                 }
             }
-            opposite = vertices.as_slice().iter().copied().find(|v| !shared.contains(v)).unwrap_or(NONE);
+            opposite = vertices
+                .as_slice()
+                .iter()
+                .copied()
+                .find(|v| !shared.contains(v))
+                .unwrap_or(NONE);
             if opposite == NONE {
                 return Err(HullError::Inconsistent("a triangle without a third vertex"));
             }
@@ -261,13 +285,18 @@ impl Builder<'_> {
                 }
             }
             let ridge = &mut self.ridges[r as usize];
-            *(if ridge.top == f { &mut ridge.top } else { &mut ridge.bottom }) = g;
+            *(if ridge.top == f {
+                &mut ridge.top
+            } else {
+                &mut ridge.bottom
+            }) = g;
             i += 1;
         }
         Ok(())
     }
 
-    /// Deletes `f`, which merges into `g`, from the neighbours of a facet that has both. If `f` is first, `g` takes its place.
+    /// Deletes `f`, which merges into `g`, from the neighbours of a facet that has both. If `f` is
+    /// first, `g` takes its place.
     fn forget_merged_neighbor(&mut self, facet: u32, f: u32, g: u32) -> Result<(), HullError> {
         let neighbors = &mut self.facets[facet as usize].neighbors;
         if neighbors.get(0) == f {
@@ -308,12 +337,22 @@ impl Builder<'_> {
         self.facets[g as usize].neighbors.delete(f);
 
         // vertices: both lists descend
-        let (first, second) = (self.facets[f as usize].vertices.clone(), self.facets[g as usize].vertices.clone());
-        let mut merged: Vec<u32> = first.as_slice().iter().chain(second.as_slice()).copied().collect();
+        let (first, second) = (
+            self.facets[f as usize].vertices.clone(),
+            self.facets[g as usize].vertices.clone(),
+        );
+        let mut merged: Vec<u32> = first
+            .as_slice()
+            .iter()
+            .chain(second.as_slice())
+            .copied()
+            .collect();
         merged.sort_unstable_by(|a, b| b.cmp(a));
         merged.dedup();
         if merged.len() + 2 > first.len() + second.len() {
-            return Err(HullError::Inconsistent("merged facets have one vertex in common"));
+            return Err(HullError::Inconsistent(
+                "merged facets have one vertex in common",
+            ));
         }
         self.facets[g as usize].vertices = Set::of(&merged);
 
@@ -331,7 +370,11 @@ impl Builder<'_> {
         for i in 0..self.facets[f as usize].ridges.len() {
             let r = self.facets[f as usize].ridges.get(i);
             let ridge = &mut self.ridges[r as usize];
-            *(if ridge.top == f { &mut ridge.top } else { &mut ridge.bottom }) = g;
+            *(if ridge.top == f {
+                &mut ridge.top
+            } else {
+                &mut ridge.bottom
+            }) = g;
             self.facets[g as usize].ridges.push(r);
         }
 
@@ -357,7 +400,11 @@ impl Builder<'_> {
     /// Adds a vertex to a facet in the order of indices; false if it was there.
     fn add_vertex(&mut self, f: u32, v: u32) -> bool {
         let vertices = &mut self.facets[f as usize].vertices;
-        let place = vertices.as_slice().iter().position(|&other| other <= v).unwrap_or(vertices.len());
+        let place = vertices
+            .as_slice()
+            .iter()
+            .position(|&other| other <= v)
+            .unwrap_or(vertices.len());
         if vertices.get(place) == v {
             return false;
         }

@@ -1,17 +1,22 @@
-// Derived from Qhull (http://www.qhull.org), Copyright (c) 1993-2020 C.B. Barber and The Geometry Center; rewritten in Rust,
-// November 2026, for three dimensions and the options that MuJoCo asks for. Its licence is in COPYING.txt beside this file.
+// Derived from Qhull (http://www.qhull.org), Copyright (c) 1993-2020 C.B. Barber and The Geometry
+// Center; rewritten in Rust, November 2026, for three dimensions and the options that MuJoCo asks
+// for. Its licence is in COPYING.txt beside this file.
 
-//! The convex hull of a mesh, with the graph of libmujoco: its vertices, edges and triangles in the same order.
+//! The convex hull of a mesh, with the graph of libmujoco: its vertices, edges and triangles in the
+//! same order.
 //!
-//! MuJoCo calls Qhull with the options `Qt` (triangulate), and with `maxhullvert` `Q9 TA`. Collisions depend on the order of what
-//! it returns, and that on everything that Qhull does: quickhull (Barber, Dobkin, Huhdanpaa, "The Quickhull algorithm for convex
-//! hulls", ACM Trans. Math. Softw. 22, 1996) with facets merged where rounding makes them not convex. This is Qhull at commit
-//! d1c2fc0c for three dimensions; cases that no set of points was seen to reach are [`HullError::Unsupported`].
+//! MuJoCo calls Qhull with the options `Qt` (triangulate), and with `maxhullvert` `Q9 TA`.
+//! Collisions depend on the order of what it returns, and that on everything that Qhull does:
+//! quickhull (Barber, Dobkin, Huhdanpaa, "The Quickhull algorithm for convex hulls", ACM Trans.
+//! Math. Softw. 22, 1996) with facets merged where rounding makes them not convex. This is Qhull at
+//! commit d1c2fc0c for three dimensions; cases that no set of points was seen to reach are
+//! [`HullError::Unsupported`].
 //!
-//! A facet that a point is above has charge of it. The furthest point of a facet is added: the facets that it sees (`cone.rs`)
-//! are replaced by a cone of new ones to their horizon, those that are not convex merge (`convexity.rs`, `merge.rs`,
-//! `rename.rs`), and the points of the old facets move to new ones (`partition.rs`, `locate.rs`). When no facet has a point above
-//! it, polygons become triangles (`triangulate.rs`).
+//! A facet that a point is above has charge of it. The furthest point of a facet is added: the
+//! facets that it sees (`cone.rs`) are replaced by a cone of new ones to their horizon, those that
+//! are not convex merge (`convexity.rs`, `merge.rs`, `rename.rs`), and the points of the old facets
+//! move to new ones (`partition.rs`, `locate.rs`). When no facet has a point above it, polygons
+//! become triangles (`triangulate.rs`).
 
 mod arena;
 mod check;
@@ -42,24 +47,31 @@ pub const MOST_POINTS: usize = 1 << 23;
 /// Coordinates beyond it would overflow in products. Those of files, which are `f32`, are below.
 const LARGEST: f64 = 1e70;
 
-/// Distances that may be computed, and elements of merged facets that may be visited: about 20 s. A million points on a sphere take
-/// a fortieth; only points on few large circles take many.
+/// Distances that may be computed, and elements of merged facets that may be visited: about 20 s. A
+/// million points on a sphere take a fortieth; only points on few large circles take many.
 const MOST_WORK: u64 = 2_000_000_000;
 
 /// The convex hull of `points`, with at most `max_vertices` of them if that is given.
 ///
 /// # Errors
 ///
-/// [`HullError`] if the points have no volume, or rounding spoils their hull: libmujoco refuses these too. The limits are
-/// [`MOST_POINTS`] points, 4 million facets at once (2 GB) and two thousand million distances.
+/// [`HullError`] if the points have no volume, or rounding spoils their hull: libmujoco refuses
+/// these too. The limits are [`MOST_POINTS`] points, 4 million facets at once (2 GB) and two
+/// thousand million distances.
 pub fn convex_hull(points: &[[f64; 3]], max_vertices: Option<u32>) -> Result<Graph, HullError> {
     if points.len() < 4 {
         return Err(HullError::TooFew(points.len()));
     }
     if points.len() > MOST_POINTS {
-        return Err(HullError::TooMany { found: points.len(), most: MOST_POINTS });
+        return Err(HullError::TooMany {
+            found: points.len(),
+            most: MOST_POINTS,
+        });
     }
-    if let Some(i) = points.iter().position(|point| point.iter().any(|x| !(x.abs() <= LARGEST))) {
+    if let Some(i) = points
+        .iter()
+        .position(|point| point.iter().any(|x| x.is_nan() || x.abs() > LARGEST))
+    {
         return Err(HullError::NotFinite(i));
     }
     if let Some(most) = max_vertices.filter(|&most| most < 4) {
@@ -130,8 +142,14 @@ impl<'a> Builder<'a> {
             points,
             facets: vec![Facet::default()],
             // the list's end is new for ever, which `partition_point` reads
-            planes: vec![Plane { new: true, ..Plane::default() }],
-            vertices: vec![Vertex::default()],
+            planes: vec![Plane {
+                new: true,
+                ..Plane::default()
+            }],
+            vertices: vec![Vertex {
+                new: true,
+                ..Vertex::default()
+            }],
             ridges: vec![Ridge::default()],
             free_facets: Vec::new(),
             free_ridges: Vec::new(),
@@ -184,7 +202,11 @@ impl<'a> Builder<'a> {
         if self.narrow {
             self.keep_outside_points()?;
         }
-        if max_vertices.is_some() { Ok(()) } else { self.check() }
+        if max_vertices.is_some() {
+            Ok(())
+        } else {
+            self.check()
+        }
     }
 
     /// Moves the facet with the furthest point to `facet_next`.
@@ -212,7 +234,9 @@ impl<'a> Builder<'a> {
             let mut f = self.facet_next;
             let facet = &self.facets[f as usize];
             let next = self.planes[f as usize].next;
-            if facet.outside.is_empty() || (self.narrow && facet.furthest < self.constants.min_outside) {
+            if facet.outside.is_empty()
+                || (self.narrow && facet.furthest < self.constants.min_outside)
+            {
                 self.facet_next = next;
                 continue;
             }
@@ -259,7 +283,11 @@ impl<'a> Builder<'a> {
     }
 
     fn check_work(&self) -> Result<(), HullError> {
-        if self.work > MOST_WORK { Err(HullError::Limit("two thousand million distances")) } else { Ok(()) }
+        if self.work > MOST_WORK {
+            Err(HullError::Limit("two thousand million distances"))
+        } else {
+            Ok(())
+        }
     }
 
     fn next_visit(&mut self) -> u32 {

@@ -1,7 +1,9 @@
-// Derived from Qhull (http://www.qhull.org), Copyright (c) 1993-2020 C.B. Barber and The Geometry Center; rewritten in Rust,
-// November 2026, for three dimensions and the options that MuJoCo asks for. Its licence is in COPYING.txt beside this file.
+// Derived from Qhull (http://www.qhull.org), Copyright (c) 1993-2020 C.B. Barber and The Geometry
+// Center; rewritten in Rust, November 2026, for three dimensions and the options that MuJoCo asks
+// for. Its licence is in COPYING.txt beside this file.
 
-//! Which facet has charge of which point (`qh_partitionall`, `qh_partitionpoint`, `qh_partitioncoplanar` of `libqhull_r.c`).
+//! Which facet has charge of which point (`qh_partitionall`, `qh_partitionpoint`,
+//! `qh_partitioncoplanar` of `libqhull_r.c`).
 
 use super::Builder;
 use super::arena::{NONE, Set};
@@ -24,9 +26,15 @@ fn push_second_last(set: &mut Vec<u32>, point: u32) {
 impl Builder<'_> {
     /// Gives every point that is not a vertex to one of the first facets.
     pub(super) fn partition_all(&mut self, vertices: &Set) -> Result<(), HullError> {
-        let mut corners: Vec<u32> = vertices.as_slice().iter().map(|&v| self.vertices[v as usize].point).collect();
+        let mut corners: Vec<u32> = vertices
+            .as_slice()
+            .iter()
+            .map(|&v| self.vertices[v as usize].point)
+            .collect();
         corners.sort_unstable();
-        let mut remaining: Vec<u32> = (0..self.points.len() as u32).filter(|i| !corners.contains(i)).collect();
+        let mut remaining: Vec<u32> = (0..self.points.len() as u32)
+            .filter(|i| !corners.contains(i))
+            .collect();
         let enough = self.clearly_outside();
         let mut f = self.first_facet();
         while f != NONE {
@@ -101,7 +109,7 @@ impl Builder<'_> {
         if newly_outside && self.facet_next != f {
             if self.planes[f as usize].new {
                 if self.planes[self.facet_next as usize].new {
-                    self.facet_next = self.newfacet_list;
+                    self.facet_next = self.first_new();
                 }
             } else {
                 self.remove_facet(f);
@@ -114,7 +122,8 @@ impl Builder<'_> {
         Ok(())
     }
 
-    /// Gives `point`, at `distance` from the facet `start` or to be searched from there, to a facet that it is near.
+    /// Gives `point`, at `distance` from the facet `start` or to be searched from there, to a facet
+    /// that it is near.
     pub(super) fn partition_coplanar(
         &mut self,
         point: u32,
@@ -146,7 +155,10 @@ impl Builder<'_> {
         if height > self.max_outside {
             let mut again = distance.is_none()
                 && start != f
-                && dot(self.planes[start as usize].normal, self.planes[f as usize].normal) < 0.0;
+                && dot(
+                    self.planes[start as usize].normal,
+                    self.planes[f as usize].normal,
+                ) < 0.0;
             if !again && height > self.target * TOO_FAR {
                 if start == f {
                     if self.repartitioned == f {
@@ -177,7 +189,8 @@ impl Builder<'_> {
         Ok(())
     }
 
-    /// Gives away the points of the facets that are about to be deleted, and the vertices that no facet has any more.
+    /// Gives away the points of the facets that are about to be deleted, and the vertices that no
+    /// facet has any more.
     pub(super) fn partition_visible(&mut self) -> Result<(), HullError> {
         let mut visible = self.first_visible();
         while visible != NONE {
@@ -224,6 +237,8 @@ impl Builder<'_> {
             }
             result = self.facets[result as usize].replace;
         }
-        Err(HullError::Inconsistent("facets replace each other in a circle"))
+        Err(HullError::Inconsistent(
+            "facets replace each other in a circle",
+        ))
     }
 }

@@ -1,7 +1,9 @@
-// Derived from Qhull (http://www.qhull.org), Copyright (c) 1993-2020 C.B. Barber and The Geometry Center; rewritten in Rust,
-// November 2026, for three dimensions and the options that MuJoCo asks for. Its licence is in COPYING.txt beside this file.
+// Derived from Qhull (http://www.qhull.org), Copyright (c) 1993-2020 C.B. Barber and The Geometry
+// Center; rewritten in Rust, November 2026, for three dimensions and the options that MuJoCo asks
+// for. Its licence is in COPYING.txt beside this file.
 
-//! Planes of facets, distances to them, and centrums. After `geom_r.c` of Qhull; no operation is fused.
+//! Planes of facets, distances to them, and centrums. After `geom_r.c` of Qhull; no operation is
+//! fused.
 
 use super::Builder;
 use super::arena::{NONE, Plane, Set};
@@ -44,8 +46,11 @@ impl Builder<'_> {
         let oriented = facet.top_oriented;
         let [p0, p1, p2] = corners;
         let (d1, d2) = (less(p1, p0), less(p2, p0));
-        let mut normal =
-            [d2[1] * d1[2] - d2[2] * d1[1], d1[0] * d2[2] - d1[2] * d2[0], d2[0] * d1[1] - d2[1] * d1[0]];
+        let mut normal = [
+            d2[1] * d1[2] - d2[2] * d1[1],
+            d1[0] * d2[2] - d1[2] * d2[0],
+            d2[0] * d1[1] - d2[1] * d1[0],
+        ];
         self.normalize(&mut normal, oriented);
         let mut offset = -(p0[0] * normal[0] + p0[1] * normal[1] + p0[2] * normal[2]);
         let off = [p2, p1].iter().any(|p| {
@@ -113,7 +118,11 @@ impl Builder<'_> {
                                 largest = i;
                             }
                         }
-                        let one = if normal[largest] * norm >= 0.0 { 1.0 } else { -1.0 };
+                        let one = if normal[largest] * norm >= 0.0 {
+                            1.0
+                        } else {
+                            -1.0
+                        };
                         *normal = [0.0; 3];
                         normal[largest] = one;
                         return;
@@ -123,8 +132,8 @@ impl Builder<'_> {
         }
     }
 
-    /// The normal of a plane spanned by two rows, by elimination with pivoting (`qh_gausselim`, `qh_backnormal`), and whether a
-    /// pivot was nearly zero.
+    /// The normal of a plane spanned by two rows, by elimination with pivoting (`qh_gausselim`,
+    /// `qh_backnormal`), and whether a pivot was nearly zero.
     fn eliminate(&self, mut rows: [[f64; 3]; 2], oriented: bool) -> ([f64; 3], bool) {
         let c = &self.constants;
         let mut sign = oriented;
@@ -140,9 +149,8 @@ impl Builder<'_> {
             }
             if k == 0 && pivot != 0.0 {
                 let n = rows[1][0] / pivot;
-                for j in 1..3 {
-                    rows[1][j] -= n * rows[0][j];
-                }
+                rows[1][1] -= n * rows[0][1];
+                rows[1][2] -= n * rows[0][2];
             }
         }
         for (k, row) in rows.iter().enumerate() {
@@ -202,7 +210,8 @@ impl Builder<'_> {
         centrum
     }
 
-    /// How far the vertices of `facet` that `neighbor` lacks are from its plane: the largest distance below (negative) and above.
+    /// How far the vertices of `facet` that `neighbor` lacks are from its plane: the largest
+    /// distance below (negative) and above.
     pub(super) fn range(&mut self, facet: u32, neighbor: u32) -> (f64, f64) {
         debug_assert!(facet != NONE && neighbor != NONE);
         let mark = self.next_vertex_visit();

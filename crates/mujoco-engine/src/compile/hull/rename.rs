@@ -1,8 +1,9 @@
-// Derived from Qhull (http://www.qhull.org), Copyright (c) 1993-2020 C.B. Barber and The Geometry Center; rewritten in Rust,
-// November 2026, for three dimensions and the options that MuJoCo asks for. Its licence is in COPYING.txt beside this file.
+// Derived from Qhull (http://www.qhull.org), Copyright (c) 1993-2020 C.B. Barber and The Geometry
+// Center; rewritten in Rust, November 2026, for three dimensions and the options that MuJoCo asks
+// for. Its licence is in COPYING.txt beside this file.
 
-//! Vertices that merges left with two facets: dropped, or renamed as a neighbour of theirs (`qh_reducevertices` and what it calls,
-//! `merge_r.c` of Qhull).
+//! Vertices that merges left with two facets: dropped, or renamed as a neighbour of theirs
+//! (`qh_reducevertices` and what it calls, `merge_r.c` of Qhull).
 
 use super::Builder;
 use super::arena::{NONE, Ridge};
@@ -97,7 +98,11 @@ impl Builder<'_> {
         if neighbors.len() != 2 {
             return Ok(false);
         }
-        let other = if neighbors.get(0) == f { neighbors.get(1) } else { neighbors.get(0) };
+        let other = if neighbors.get(0) == f {
+            neighbors.get(1)
+        } else {
+            neighbors.get(0)
+        };
         let ridges: Vec<u32> = self.facets[f as usize]
             .ridges
             .as_slice()
@@ -118,7 +123,10 @@ impl Builder<'_> {
         let mut i = 0;
         while i < candidates.len() {
             let candidate = candidates.get(i);
-            let count = ridges.iter().filter(|&&r| self.ridges[r as usize].has(candidate)).count();
+            let count = ridges
+                .iter()
+                .filter(|&&r| self.ridges[r as usize].has(candidate))
+                .count();
             if count == 0 {
                 candidates.delete_at(i);
             } else {
@@ -144,7 +152,9 @@ impl Builder<'_> {
         for &f in facets.as_slice() {
             self.planes[f as usize].visit = mark;
         }
-        let Some((_, facets)) = facets.as_slice().split_last() else { return false };
+        let Some((_, facets)) = facets.as_slice().split_last() else {
+            return false;
+        };
         for &f in facets {
             for &r in self.facets[f as usize].ridges.as_slice() {
                 let ridge = &self.ridges[r as usize];
@@ -152,7 +162,9 @@ impl Builder<'_> {
                     continue;
                 }
                 let end = ridge.other_vertex(new);
-                if ridges.iter().any(|&other| other != r && self.ridges[other as usize].other_vertex(old) == end) {
+                if ridges.iter().any(|&other| {
+                    other != r && self.ridges[other as usize].other_vertex(old) == end
+                }) {
                     return true;
                 }
             }
@@ -192,16 +204,26 @@ impl Builder<'_> {
         }
         let old_place = usize::from(ridge.vertices[1] == old);
         let new_place = usize::from(kept > new);
-        ridge.vertices = if new_place == 0 { [new, kept] } else { [kept, new] };
+        ridge.vertices = if new_place == 0 {
+            [new, kept]
+        } else {
+            [kept, new]
+        };
         if old_place != new_place {
             std::mem::swap(&mut ridge.top, &mut ridge.bottom);
         }
         Ok(true)
     }
 
-    /// Qhull then looks for a second ridge with the same ends, to merge vertices later. No set was seen to have one.
+    /// Qhull then looks for a second ridge with the same ends, to merge vertices later. No set was
+    /// seen to have one.
     fn refuse_duplicate(&self, r: u32, new: u32) -> Result<(), HullError> {
-        let Ridge { vertices, top, bottom, .. } = self.ridges[r as usize];
+        let Ridge {
+            vertices,
+            top,
+            bottom,
+            ..
+        } = self.ridges[r as usize];
         let will_degenerate = |f: u32| {
             let facet = &self.facets[f as usize];
             let size = facet.vertices.len();
@@ -212,8 +234,12 @@ impl Builder<'_> {
         }
         for f in [top, bottom] {
             let facet = &self.facets[f as usize];
-            let again = |&&other: &&u32| other != r && self.ridges[other as usize].vertices == vertices;
-            if !facet.simplicial && facet.merges > 0 && facet.ridges.as_slice().iter().find(again).is_some() {
+            let again =
+                |&&other: &&u32| other != r && self.ridges[other as usize].vertices == vertices;
+            if !facet.simplicial
+                && facet.merges > 0
+                && facet.ridges.as_slice().iter().find(again).is_some()
+            {
                 return Err(HullError::Unsupported("a merge of two vertices"));
             }
         }

@@ -1,7 +1,9 @@
-// Derived from Qhull (http://www.qhull.org), Copyright (c) 1993-2020 C.B. Barber and The Geometry Center; rewritten in Rust,
-// November 2026, for three dimensions and the options that MuJoCo asks for. Its licence is in COPYING.txt beside this file.
+// Derived from Qhull (http://www.qhull.org), Copyright (c) 1993-2020 C.B. Barber and The Geometry
+// Center; rewritten in Rust, November 2026, for three dimensions and the options that MuJoCo asks
+// for. Its licence is in COPYING.txt beside this file.
 
-//! The first tetrahedron, of extreme points (`qh_maxsimplex`, `qh_createsimplex`, `qh_initialhull` of Qhull).
+//! The first tetrahedron, of extreme points (`qh_maxsimplex`, `qh_createsimplex`, `qh_initialhull`
+//! of Qhull).
 
 use super::Builder;
 use super::arena::{NONE, Set};
@@ -23,7 +25,8 @@ fn determinant(point: [f64; 3], corners: &[[f64; 3]]) -> f64 {
         return det2(a[0], a[1], b[0], b[1]);
     }
     let c = row(2);
-    a[0] * det2(b[1], b[2], c[1], c[2]) - b[0] * det2(a[1], a[2], c[1], c[2]) + c[0] * det2(a[1], a[2], b[1], b[2])
+    a[0] * det2(b[1], b[2], c[1], c[2]) - b[0] * det2(a[1], a[2], c[1], c[2])
+        + c[0] * det2(a[1], a[2], b[1], b[2])
 }
 
 impl Builder<'_> {
@@ -49,7 +52,10 @@ impl Builder<'_> {
         let mut simplex = vec![first, last];
         let mut best = high - low;
         for dimension in 2..4 {
-            let corners: Vec<[f64; 3]> = simplex[..dimension].iter().map(|&i| self.points[i as usize]).collect();
+            let corners: Vec<[f64; 3]> = simplex[..dimension]
+                .iter()
+                .map(|&i| self.points[i as usize])
+                .collect();
             let near_zero = 10.0 * self.constants.near_zero[dimension - 1];
             let target = best * self.constants.max_width;
             let mut chosen = None;
@@ -144,13 +150,24 @@ impl Builder<'_> {
                 return Err(HullError::Flat);
             }
             for &other in self.facets[f as usize].neighbors.as_slice() {
-                least_cosine = fmin(least_cosine, dot(self.planes[f as usize].normal, self.planes[other as usize].normal));
+                least_cosine = fmin(
+                    least_cosine,
+                    dot(
+                        self.planes[f as usize].normal,
+                        self.planes[other as usize].normal,
+                    ),
+                );
             }
         }
         self.narrow = least_cosine < NARROW;
         for f in facets {
             let facet = &self.facets[f as usize];
-            for (&v, &other) in facet.vertices.as_slice().iter().zip(facet.neighbors.as_slice()) {
+            for (&v, &other) in facet
+                .vertices
+                .as_slice()
+                .iter()
+                .zip(facet.neighbors.as_slice())
+            {
                 if self.vertex_distance(v, other) >= -self.dist_round {
                     return Err(HullError::Flat);
                 }

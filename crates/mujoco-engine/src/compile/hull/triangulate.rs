@@ -1,8 +1,9 @@
-// Derived from Qhull (http://www.qhull.org), Copyright (c) 1993-2020 C.B. Barber and The Geometry Center; rewritten in Rust,
-// November 2026, for three dimensions and the options that MuJoCo asks for. Its licence is in COPYING.txt beside this file.
+// Derived from Qhull (http://www.qhull.org), Copyright (c) 1993-2020 C.B. Barber and The Geometry
+// Center; rewritten in Rust, November 2026, for three dimensions and the options that MuJoCo asks
+// for. Its licence is in COPYING.txt beside this file.
 
-//! Polygons become triangles (`qh_triangulate`, `poly2_r.c` of Qhull). The vertices that this moves to the end of their list
-//! change the order of the graph.
+//! Polygons become triangles (`qh_triangulate`, `poly2_r.c` of Qhull). The vertices that this moves
+//! to the end of their list change the order of the graph.
 
 use super::Builder;
 use super::arena::NONE;
@@ -47,7 +48,9 @@ impl Builder<'_> {
         let mut v = first_touched;
         while v != NONE && v != NOWHERE {
             let planes = &self.planes;
-            self.vertices[v as usize].neighbors.retain(|f| !planes[f as usize].visible);
+            self.vertices[v as usize]
+                .neighbors
+                .retain(|f| !planes[f as usize].visible);
             v = self.vertices[v as usize].next;
         }
         self.newvertex_list = first_touched;
@@ -63,7 +66,12 @@ impl Builder<'_> {
         Ok(())
     }
 
-    fn triangulate_facet(&mut self, f: u32, mark: u32, first_touched: &mut u32) -> Result<(), HullError> {
+    fn triangulate_facet(
+        &mut self,
+        f: u32,
+        mark: u32,
+        first_touched: &mut u32,
+    ) -> Result<(), HullError> {
         for i in 0..self.facets[f as usize].neighbors.len() {
             let neighbor = self.facets[f as usize].neighbors.get(i);
             let facet = &mut self.facets[neighbor as usize];
@@ -90,10 +98,15 @@ impl Builder<'_> {
     fn link_over(&mut self, f: u32) -> Result<(), HullError> {
         let neighbors = &self.facets[f as usize].neighbors;
         let (a, b) = (neighbors.get(0), neighbors.get(1));
-        if self.facets[a as usize].neighbors.contains(b) || self.facets[b as usize].neighbors.contains(a) {
-            return Err(HullError::Unsupported("two triangles with the same vertices"));
+        if self.facets[a as usize].neighbors.contains(b)
+            || self.facets[b as usize].neighbors.contains(a)
+        {
+            return Err(HullError::Unsupported(
+                "two triangles with the same vertices",
+            ));
         }
-        let linked = self.facets[a as usize].neighbors.replace(f, b) && self.facets[b as usize].neighbors.replace(f, a);
+        let linked = self.facets[a as usize].neighbors.replace(f, b)
+            && self.facets[b as usize].neighbors.replace(f, a);
         if !linked {
             return Err(HullError::Inconsistent("a facet lacks its neighbour"));
         }

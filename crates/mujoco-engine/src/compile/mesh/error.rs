@@ -2,7 +2,8 @@
 
 use crate::compile::hull::HullError;
 
-/// Why a mesh cannot be compiled: the fault, where it is, and what to do. libmujoco refuses the same meshes, except for the limits.
+/// Why a mesh cannot be compiled: the fault, where it is, and what to do. libmujoco refuses the
+/// same meshes, except for the limits.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum MeshError {
@@ -92,7 +93,9 @@ pub enum MeshError {
         vertices: usize,
     },
     /// Texture coordinates that faces cannot name.
-    #[error("{found} texture coordinates for {vertices} vertices: give one per vertex, or indices of faces in an OBJ file")]
+    #[error(
+        "{found} texture coordinates for {vertices} vertices: give one per vertex, or indices of faces in an OBJ file"
+    )]
     TextureCoordinates {
         /// The number of texture coordinates.
         found: usize,
@@ -114,7 +117,9 @@ pub enum MeshError {
     #[error("no convex hull: {0}")]
     Hull(#[from] HullError),
     /// Two faces on one side of an edge.
-    #[error("two faces go from vertex {0} to vertex {1}: turn one, or use another `inertia` than exact")]
+    #[error(
+        "two faces go from vertex {0} to vertex {1}: turn one, or use another `inertia` than exact"
+    )]
     Orientation(i32, i32),
     /// The faces have no area.
     #[error("the area of the faces is too small: {0}")]
@@ -126,6 +131,8 @@ pub enum MeshError {
     #[error("the volume is too small, {0}: set `inertia` to shell")]
     Volume(f64),
     /// Principal moments that no body has.
-    #[error("the principal moments of inertia are {0:?}: no body has them; check that the faces enclose a volume")]
+    #[error(
+        "the principal moments of inertia are {0:?}: no body has them; check that the faces enclose a volume"
+    )]
     Inertia([f64; 3]),
 }

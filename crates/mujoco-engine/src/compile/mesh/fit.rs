@@ -5,12 +5,21 @@ use crate::math::spatial::Vec3;
 use crate::model::GeomType;
 
 impl Mesh {
-    /// The size of a shape fitted to the mesh and its centre in the mesh's frame: with the same box of inertia, or with `by_bounds`
-    /// the least that has the mesh's bounds within its own. `None` for shapes that cannot be fitted.
+    /// The size of a shape fitted to the mesh and its centre in the mesh's frame: with the same box
+    /// of inertia, or with `by_bounds` the least that has the mesh's bounds within its own. `None`
+    /// for shapes that cannot be fitted.
     #[must_use]
     pub fn fit(&self, shape: GeomType, by_bounds: bool, scale: f64) -> Option<(Vec3, Vec3)> {
-        let center = if by_bounds { [0, 1, 2].map(|k| (self.lower[k] + self.upper[k]) / 2.0) } else { [0.0; 3] };
-        let [x, y, z] = if by_bounds { [0, 1, 2].map(|k| self.upper[k] - center[k]) } else { self.half_sizes };
+        let center = if by_bounds {
+            [0, 1, 2].map(|k| (self.lower[k] + self.upper[k]) / 2.0)
+        } else {
+            [0.0; 3]
+        };
+        let [x, y, z] = if by_bounds {
+            [0, 1, 2].map(|k| self.upper[k] - center[k])
+        } else {
+            self.half_sizes
+        };
         let max = |a: f64, b: f64| if a < b { b } else { a };
         let size = match (shape, by_bounds) {
             (GeomType::Sphere, false) => [(x + y + z) / 3.0, 0.0, 0.0],

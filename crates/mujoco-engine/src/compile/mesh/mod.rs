@@ -1,10 +1,12 @@
-//! Meshes: what a file holds becomes the arrays that contacts, inertia and pictures need, with the bits of libmujoco.
+//! Meshes: what a file holds becomes the arrays that contacts, inertia and pictures need, with the
+//! bits of libmujoco.
 //!
-//! A [`Source`] comes from a file (`stl.rs`, `obj.rs` with `polygon.rs`, `msh.rs`) or from attributes. [`Mesh::compile`] then
-//! finds its convex hull from the vertices as the file gives them, joins the hull's triangles to polygons (`polygons.rs`, in the
-//! order of `order.rs`), makes normals (`normals.rs`), moves and scales the mesh, finds its volume and moments of inertia
-//! (`integrals.rs`), and expresses it in its principal frame. The formulas and the order of operations are those of MuJoCo 3.12
-//! (`user_mesh.cc`, `user_util.cc`, Apache-2.0).
+//! A [`Source`] comes from a file (`stl.rs`, `obj.rs` with `polygon.rs`, `msh.rs`) or from
+//! attributes. [`Mesh::compile`] then finds its convex hull from the vertices as the file gives
+//! them, joins the hull's triangles to polygons (`polygons.rs`, in the order of `order.rs`), makes
+//! normals (`normals.rs`), moves and scales the mesh, finds its volume and moments of inertia
+//! (`integrals.rs`), and expresses it in its principal frame. The formulas and the order of
+//! operations are those of MuJoCo 3.12 (`user_mesh.cc`, `user_util.cc`, Apache-2.0).
 
 mod error;
 mod fit;
@@ -26,11 +28,14 @@ use polygons::Polygons;
 use crate::Revision;
 use crate::compile::hull::{Graph, convex_hull};
 use crate::compile::inertia::principal_axes_within;
-use crate::math::spatial::{EPS, InTurn, MINVAL, Order, Quat, Vec3, cross, dot, rotate, rotate_back};
+use crate::math::spatial::{
+    EPS, InTurn, MINVAL, Order, Quat, Vec3, cross, dot, rotate, rotate_back,
+};
 use crate::mjcf::orientation::unit;
 
-/// From MuJoCo 3.14 on, off-diagonal moments of a mesh that are smaller, relative to the largest moment, count as zero. Found by
-/// experiment with 4.0.0: of 77 meshes, the largest that was left was 9.4e-8.
+/// From MuJoCo 3.14 on, off-diagonal moments of a mesh that are smaller, relative to the largest
+/// moment, count as zero. Found by experiment with 4.0.0: of 77 meshes, the largest that was left
+/// was 9.4e-8.
 const AXES_REST: f64 = 1e-7;
 
 /// How a mesh's mass is spread.
@@ -80,7 +85,8 @@ impl Default for Options {
     }
 }
 
-/// A compiled mesh, in its principal frame: the origin is the centre of mass, and the axes are the principal axes of inertia.
+/// A compiled mesh, in its principal frame: the origin is the centre of mass, and the axes are the
+/// principal axes of inertia.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Mesh {
     /// `mesh_vert`: x, y, z of each vertex, in m.
@@ -93,11 +99,13 @@ pub struct Mesh {
     pub faces: Vec<[i32; 3]>,
     /// `mesh_facenormal`: the normals of each triangle's corners.
     pub face_normals: Vec<i32>,
-    /// `mesh_facetexcoord`: the texture coordinates of each triangle's corners; empty if there are none.
+    /// `mesh_facetexcoord`: the texture coordinates of each triangle's corners; empty if there are
+    /// none.
     pub face_texture: Vec<i32>,
     /// `mesh_graph`: the convex hull, if one is needed.
     pub graph: Option<Graph>,
-    /// `mesh_extrema`: for each of 27 directions the furthest vertex of the hull, by its number in the graph.
+    /// `mesh_extrema`: for each of 27 directions the furthest vertex of the hull, by its number in
+    /// the graph.
     pub extrema: [i32; 27],
     /// `mesh_polyvert`: the vertices of each polygon of the hull.
     pub polygons: Vec<Vec<i32>>,
@@ -124,25 +132,41 @@ impl Mesh {
     ///
     /// # Errors
     ///
-    /// [`MeshError`] if the data do not fit together, the mesh is flat though it collides, it has no area or volume, or it is beyond
-    /// the limits of [`MOST_POINTS`](crate::compile::hull::MOST_POINTS) vertices and 2^26 corners of faces.
-    pub fn compile(mut source: Source, options: &Options, revision: Revision) -> Result<Self, MeshError> {
+    /// [`MeshError`] if the data do not fit together, the mesh is flat though it collides, it has
+    /// no area or volume, or it is beyond the limits of
+    /// [`MOST_POINTS`](crate::compile::hull::MOST_POINTS) vertices and 2^26 corners of faces.
+    pub fn compile(
+        mut source: Source,
+        options: &Options,
+        revision: Revision,
+    ) -> Result<Self, MeshError> {
         let right_handed = options.scale[0] * options.scale[1] * options.scale[2] > 0.0;
         if source.format == Some(Format::Msh) && !right_handed {
             // libmujoco turns these faces here and once more below
             turn(source.faces.as_chunks_mut().0);
         }
         source.check()?;
-        let mut points: Vec<Vec3> = source.vertices.as_chunks().0.iter().map(|v: &[f32; 3]| v.map(f64::from)).collect();
+        let mut points: Vec<Vec3> = source
+            .vertices
+            .as_chunks()
+            .0
+            .iter()
+            .map(|v: &[f32; 3]| v.map(f64::from))
+            .collect();
         let mut faces: Vec<[i32; 3]> = source.faces.as_chunks().0.to_vec();
         if options.inertia == Inertia::Exact {
             check_orientation(&points, &faces)?;
         }
 
         let needs_hull = options.collides || options.inertia == Inertia::Convex || faces.is_empty();
-        let graph = needs_hull.then(|| hull(&points, options.max_hull_vertices)).transpose()?;
-        let hull_faces: Vec<[i32; 3]> =
-            graph.iter().flat_map(|graph| &graph.faces).map(|face| face.map(|v| v as i32)).collect();
+        let graph = needs_hull
+            .then(|| hull(&points, options.max_hull_vertices))
+            .transpose()?;
+        let hull_faces: Vec<[i32; 3]> = graph
+            .iter()
+            .flat_map(|graph| &graph.faces)
+            .map(|face| face.map(|v| v as i32))
+            .collect();
         if faces.is_empty() {
             faces.clone_from(&hull_faces);
         }
@@ -154,7 +178,10 @@ impl Mesh {
             face_normals = faces.as_flattened().to_vec();
         }
         if !face_normals.is_empty() && face_normals.len() != 3 * faces.len() {
-            return Err(MeshError::FaceNormals { normals: face_normals.len(), faces: 3 * faces.len() });
+            return Err(MeshError::FaceNormals {
+                normals: face_normals.len(),
+                faces: 3 * faces.len(),
+            });
         }
         let mut face_texture = source.face_texture;
         if face_texture.is_empty() && !source.texture.is_empty() {
@@ -162,7 +189,11 @@ impl Mesh {
         }
         if face_normals.is_empty() {
             let per_vertex = (normals.len() / source.vertices.len()) as i32;
-            face_normals = faces.as_flattened().iter().map(|&v| per_vertex.wrapping_mul(v)).collect();
+            face_normals = faces
+                .as_flattened()
+                .iter()
+                .map(|&v| per_vertex.wrapping_mul(v))
+                .collect();
         }
         let polygons = Polygons::new(&points, &hull_faces, revision);
         if !right_handed {
@@ -176,7 +207,11 @@ impl Mesh {
         if area < MINVAL {
             return Err(MeshError::Area(area));
         }
-        let solid = if options.inertia == Inertia::Convex { &hull_faces } else { &faces };
+        let solid = if options.inertia == Inertia::Convex {
+            &hull_faces
+        } else {
+            &faces
+        };
         let (volume, center) = integrals::center_of_mass(&points, solid, centroid, options.inertia);
         if volume < MINVAL {
             return Err(match options.inertia {
@@ -195,15 +230,29 @@ impl Mesh {
         for point in &mut points {
             *point = rotate(&turn, [0, 1, 2].map(|k| point[k] - center[k]));
             for k in 0..3 {
-                lower[k] = if point[k] < lower[k] { point[k] } else { lower[k] };
-                upper[k] = if upper[k] < point[k] { point[k] } else { upper[k] };
+                lower[k] = if point[k] < lower[k] {
+                    point[k]
+                } else {
+                    lower[k]
+                };
+                upper[k] = if upper[k] < point[k] {
+                    point[k]
+                } else {
+                    upper[k]
+                };
             }
         }
         normals::rotate_all(&mut normals, |normal| rotate(&turn, normal));
-        let polygon_normals = polygons.corners.iter().map(|corners| polygon_normal(&points, corners, revision)).collect();
+        let polygon_normals = polygons
+            .corners
+            .iter()
+            .map(|corners| polygon_normal(&points, corners, revision))
+            .collect();
         let vertices: Vec<f32> = points.iter().flatten().map(|&x| x as f32).collect();
         Ok(Self {
-            extrema: graph.as_ref().map_or([0; 27], |graph| extrema(&vertices, graph)),
+            extrema: graph
+                .as_ref()
+                .map_or([0; 27], |graph| extrema(&vertices, graph)),
             vertices,
             normals,
             texture: source.texture,
@@ -262,31 +311,47 @@ fn hull(points: &[Vec3], max_vertices: Option<u32>) -> Result<Graph, MeshError> 
     };
     let edge = from_first(&points[second]);
     let width = length(edge);
-    let normal = points.iter().enumerate().skip(1).filter(|&(i, _)| i != second).find_map(|(_, p)| {
-        let other = from_first(p);
-        let normal = cross(edge, other);
-        let norm = length(normal);
-        (length(other) >= MINVAL && norm > MINVAL * width * length(other)).then(|| normal.map(|x| x / norm))
-    });
+    let normal = points
+        .iter()
+        .enumerate()
+        .skip(1)
+        .filter(|&(i, _)| i != second)
+        .find_map(|(_, p)| {
+            let other = from_first(p);
+            let normal = cross(edge, other);
+            let norm = length(normal);
+            (length(other) >= MINVAL && norm > MINVAL * width * length(other))
+                .then(|| normal.map(|x| x / norm))
+        });
     let Some(normal) = normal else {
         return Err(MeshError::Flat("on one line", "a thin capsule"));
     };
     let height = dot(normal, points[0]);
-    if points.iter().all(|&p| (dot(normal, p) - height).abs() <= MINVAL * width) {
+    if points
+        .iter()
+        .all(|&p| (dot(normal, p) - height).abs() <= MINVAL * width)
+    {
         return Err(MeshError::Flat("in one plane", "a plane or a thin box"));
     }
     Ok(convex_hull(points, max_vertices)?)
 }
 
-/// Moves and turns vertices and normals to the frame of `position` and `orientation`, and scales them.
+/// Moves and turns vertices and normals to the frame of `position` and `orientation`, and scales
+/// them.
 fn transform(points: &mut [Vec3], normals: &mut [f32], options: &Options) {
-    let Options { scale, position, orientation, .. } = *options;
+    let Options {
+        scale,
+        position,
+        orientation,
+        ..
+    } = *options;
     if position != [0.0; 3] {
         for point in &mut *points {
             *point = [0, 1, 2].map(|k| point[k] - position[k]);
         }
     }
-    let turn = (orientation != [1.0, 0.0, 0.0, 0.0]).then(|| InTurn::quat_to_mat(unit(orientation).0));
+    let turn =
+        (orientation != [1.0, 0.0, 0.0, 0.0]).then(|| InTurn::quat_to_mat(unit(orientation).0));
     if let Some(turn) = &turn {
         for point in &mut *points {
             *point = rotate_back(turn, *point);
@@ -312,13 +377,17 @@ fn inertia_box(moments: Vec3, volume: f64) -> Result<Vec3, MeshError> {
     Ok([b + c - a, a + c - b, a + b - c].map(|sum| 0.5 * (6.0 * sum / volume).sqrt()))
 }
 
-/// The unit normal of a polygon: in 3.12 that of its first three corners, in 4.0 of all (Newell's method; found by experiment).
+/// The unit normal of a polygon: in 3.12 that of its first three corners, in 4.0 of all (Newell's
+/// method; found by experiment).
 fn polygon_normal(points: &[Vec3], corners: &[i32], revision: Revision) -> Vec3 {
     let corner = |i: usize| points[corners[i % corners.len()] as usize];
     let normal = match revision {
         Revision::V3_12 => {
             let [a, b, c] = [0, 1, 2].map(corner);
-            cross([0, 1, 2].map(|k| b[k] - a[k]), [0, 1, 2].map(|k| c[k] - a[k]))
+            cross(
+                [0, 1, 2].map(|k| b[k] - a[k]),
+                [0, 1, 2].map(|k| c[k] - a[k]),
+            )
         }
         Revision::V4_0 => {
             let mut sum = [0.0; 3];
@@ -333,10 +402,15 @@ fn polygon_normal(points: &[Vec3], corners: &[i32], revision: Revision) -> Vec3 
         }
     };
     let length = dot(normal, normal).sqrt();
-    if length < EPS { [1.0, 0.0, 0.0] } else { normal.map(|x| x / length) }
+    if length < EPS {
+        [1.0, 0.0, 0.0]
+    } else {
+        normal.map(|x| x / length)
+    }
 }
 
-/// The furthest vertices of the hull in the directions of a cube's corners, edges and faces: where searches start.
+/// The furthest vertices of the hull in the directions of a cube's corners, edges and faces: where
+/// searches start.
 fn extrema(vertices: &[f32], graph: &Graph) -> [i32; 27] {
     let mut most = [f32::MIN; 27];
     let mut extrema = [0; 27];

@@ -1,4 +1,5 @@
-//! Normals of vertices, for pictures (`MakeNormal` in MuJoCo's `user_mesh.cc`): `f32`, with its roundings.
+//! Normals of vertices, for pictures (`MakeNormal` in MuJoCo's `user_mesh.cc`): `f32`, with its
+//! roundings.
 
 use crate::math::spatial::{MINVAL, Mat3, Vec3, cross, dot, rotate_back};
 use crate::mjcf::orientation::unit;
@@ -51,10 +52,14 @@ pub(super) fn vertex_normals(points: &[Vec3], faces: &[[i32; 3]], smooth: bool) 
 /// The unit normal and twice the area.
 fn face_normal(points: &[Vec3], face: &[i32; 3]) -> (Vec3, f64) {
     let [a, b, c] = face.map(|v| points[v as usize]);
-    unit(cross([0, 1, 2].map(|k| b[k] - a[k]), [0, 1, 2].map(|k| c[k] - a[k])))
+    unit(cross(
+        [0, 1, 2].map(|k| b[k] - a[k]),
+        [0, 1, 2].map(|k| c[k] - a[k]),
+    ))
 }
 
-/// Turns back by `turn`, stretches by the inverse of `scale` and normalises the normals, when the mesh is turned back and scaled.
+/// Turns back by `turn`, stretches by the inverse of `scale` and normalises the normals, when the
+/// mesh is turned back and scaled.
 pub(super) fn transform(normals: &mut [f32], turn: Option<&Mat3>, scale: Vec3) {
     if let Some(turn) = turn {
         rotate_all(normals, |normal| rotate_back(turn, normal));

@@ -1,22 +1,32 @@
-//! Wavefront OBJ, as MuJoCo reads it with tinyobjloader 1421a10d: its numbers, its order, its way to cut polygons.
+//! Wavefront OBJ, as MuJoCo reads it with tinyobjloader: its numbers, its order, its way to cut
+//! polygons.
 
 use super::error::MeshError;
 use super::polygon::{Corner, Cutter};
 use super::source::{Format, Source};
+use crate::Revision;
 use crate::compile::hull::MOST_POINTS;
 use crate::math::libm;
 
 /// Reads the vertices of the whole file and the faces of its first object or group that has any.
 ///
-/// Lines of other kinds, materials and smoothing groups are ignored. Texture coordinates are turned upside down.
-pub(super) fn read(bytes: &[u8]) -> Result<Source, MeshError> {
-    let mut reader = Reader::default();
+/// Lines of other kinds, materials and smoothing groups are ignored. Texture coordinates are turned
+/// upside down.
+pub(super) fn read(bytes: &[u8], revision: Revision) -> Result<Source, MeshError> {
+    let mut reader = Reader {
+        revision,
+        ..Reader::default()
+    };
     for (i, line) in lines(bytes).enumerate() {
         reader.number = i + 1;
         reader.line(line)?;
         let vertices = reader.source.vertices.len() / 3;
         if vertices > MOST_POINTS {
-            return Err(MeshError::TooMany { what: "vertices", found: vertices, most: MOST_POINTS });
+            return Err(MeshError::TooMany {
+                what: "vertices",
+                found: vertices,
+                most: MOST_POINTS,
+            });
         }
     }
     reader.finish()
@@ -29,17 +39,32 @@ fn lines(bytes: &[u8]) -> impl Iterator<Item = &[u8]> {
         if rest.is_empty() {
             return None;
         }
-        let end = rest.iter().position(|&b| b == b'\n' || b == b'\r').unwrap_or(rest.len());
+        let end = rest
+            .iter()
+            .position(|&b| b == b'\n' || b == b'\r')
+            .unwrap_or(rest.len());
         let line = &rest[..end];
-        let ending = if rest[end..].starts_with(b"\r\n") { 2 } else { 1 };
+        let ending = if rest[end..].starts_with(b"\r\n") {
+            2
+        } else {
+            1
+        };
         rest = rest.get(end + ending..).unwrap_or_default();
         // a zero byte ends it for a C program
         Some(&line[..line.iter().position(|&b| b == 0).unwrap_or(line.len())])
     })
 }
 
+/// The triangles and the lines of an object or group.
+#[derive(Debug)]
+struct Shape {
+    triangles: Vec<[Corner; 3]>,
+    lines: Vec<Vec<Corner>>,
+}
+
 #[derive(Debug, Default)]
 struct Reader {
+    revision: Revision,
     source: Source,
     /// The line, from 1.
     number: usize,
@@ -47,8 +72,8 @@ struct Reader {
     faces: Vec<Vec<Corner>>,
     lines: Vec<Vec<Corner>>,
     points: bool,
-    /// The faces, as triangles, and the lines of the first object or group that has any.
-    first: Option<(Vec<[Corner; 3]>, Vec<Vec<Corner>>)>,
+    /// The first object or group that has any.
+    first: Option<Shape>,
     cutter: Cutter,
 }
 
@@ -86,18 +111,26 @@ impl Reader {
     }
 
     fn corners(&self, mut rest: Line<'_>) -> Result<Vec<Corner>, MeshError> {
-        let counts = [&self.source.vertices, &self.source.texture, &self.source.normals];
+        let counts = [
+            &self.source.vertices,
+            &self.source.texture,
+            &self.source.normals,
+        ];
         let [vertices, texture, normals] = counts.map(Vec::len);
         let mut corners = Vec::new();
         rest.0 = after_spaces(rest.0);
         while !rest.0.is_empty() {
-            let corner = rest.corner([vertices / 3, texture / 2, normals / 3]);
-            corners.push(corner.map_err(|fault| MeshError::Line { line: self.number, fault })?);
+            let corner = rest.corner([vertices / 3, texture / 2, normals / 3], self.revision);
+            corners.push(corner.map_err(|fault| MeshError::Line {
+                line: self.number,
+                fault,
+            })?);
         }
         Ok(corners)
     }
 
-    /// Ends an object or group. It is kept if it has faces; an `object`, also if it has lines or points.
+    /// Ends an object or group. It is kept if it has faces; an `object`, also if it has lines or
+    /// points.
     fn end_shape(&mut self, object: bool) -> Result<(), MeshError> {
         let faces = std::mem::take(&mut self.faces);
         let lines = std::mem::take(&mut self.lines);
@@ -107,10 +140,13 @@ impl Reader {
         }
         let mut triangles = Vec::new();
         for face in faces {
-            self.cutter.cut(&self.source.vertices, face, &mut triangles)?;
+            self.cutter
+                .cut(&self.source.vertices, face, self.revision, &mut triangles)?;
         }
-        if !triangles.is_empty() || (object && (points || lines.iter().any(|line| !line.is_empty()))) {
-            self.first = Some((triangles, lines));
+        if !triangles.is_empty()
+            || (object && (points || lines.iter().any(|line| !line.is_empty())))
+        {
+            self.first = Some(Shape { triangles, lines });
         }
         Ok(())
     }
@@ -119,10 +155,14 @@ impl Reader {
         self.end_shape(true)?;
         let mut source = self.source;
         source.format = Some(Format::Obj);
-        if let Some((triangles, lines)) = self.first {
+        if let Some(Shape { triangles, lines }) = self.first {
             let corners: Vec<Corner> = if triangles.is_empty() {
                 // a line is a triangle without area
-                lines.iter().flat_map(|line| line.windows(2)).flat_map(|ends| [ends[0], ends[1], ends[1]]).collect()
+                lines
+                    .iter()
+                    .flat_map(|line| line.windows(2))
+                    .flat_map(|ends| [ends[0], ends[1], ends[1]])
+                    .collect()
             } else {
                 triangles.into_iter().flatten().collect()
             };
@@ -142,7 +182,10 @@ impl Reader {
 }
 
 fn after_spaces(line: &[u8]) -> &[u8] {
-    let spaces = line.iter().take_while(|b| matches!(b, b' ' | b'\t')).count();
+    let spaces = line
+        .iter()
+        .take_while(|b| matches!(b, b' ' | b'\t'))
+        .count();
     &line[spaces..]
 }
 
@@ -154,21 +197,34 @@ impl Line<'_> {
     /// The next word as a number; 0 if it is none or there is none.
     fn number(&mut self) -> f32 {
         let rest = after_spaces(self.0);
-        let end = rest.iter().position(|b| matches!(b, b' ' | b'\t')).unwrap_or(rest.len());
+        let end = rest
+            .iter()
+            .position(|b| matches!(b, b' ' | b'\t'))
+            .unwrap_or(rest.len());
         self.0 = &rest[end..];
         parse_number(&rest[..end]).unwrap_or(0.0) as f32
     }
 
-    /// `vertex`, `vertex/texture`, `vertex//normal` or `vertex/texture/normal`, from 1; negative from the end.
-    fn corner(&mut self, [vertices, texture, normals]: [usize; 3]) -> Result<Corner, &'static str> {
-        let mut corner = Corner { vertex: self.index(vertices)?, texture: -1, normal: -1 };
+    /// `vertex`, `vertex/texture`, `vertex//normal` or `vertex/texture/normal`, from 1; negative from
+    /// the end. From 4.0 on, texture and normal may be 0: none.
+    fn corner(
+        &mut self,
+        [vertices, texture, normals]: [usize; 3],
+        revision: Revision,
+    ) -> Result<Corner, &'static str> {
+        let optional = revision != Revision::V3_12;
+        let mut corner = Corner {
+            vertex: self.index(vertices, false)?,
+            texture: -1,
+            normal: -1,
+        };
         if self.skip_slash() {
             if self.skip_slash() {
-                corner.normal = self.index(normals)?;
+                corner.normal = self.index(normals, optional)?;
             } else {
-                corner.texture = self.index(texture)?;
+                corner.texture = self.index(texture, optional)?;
                 if self.skip_slash() {
-                    corner.normal = self.index(normals)?;
+                    corner.normal = self.index(normals, optional)?;
                 }
             }
         }
@@ -187,14 +243,16 @@ impl Line<'_> {
     }
 
     /// An index up to the next slash or space, counted from 0.
-    fn index(&mut self, count: usize) -> Result<i32, &'static str> {
-        let end = self.0.iter().position(|b| matches!(b, b'/' | b' ' | b'\t')).unwrap_or(self.0.len());
+    fn index(&mut self, count: usize, optional: bool) -> Result<i32, &'static str> {
+        let ends = |b: &u8| matches!(b, b'/' | b' ' | b'\t');
+        let end = self.0.iter().position(ends).unwrap_or(self.0.len());
         let (word, rest) = self.0.split_at(end);
         self.0 = rest;
         match parse_integer(word) {
+            0 if optional => Ok(-1),
             0 => Err("an index is 0, or no number; they begin with 1"),
             index if index > 0 => Ok(index - 1),
-            index => Ok(index.saturating_add(count.min(i32::MAX as usize) as i32)),
+            index => Ok(index.saturating_add(i32::try_from(count).unwrap_or(i32::MAX))),
         }
     }
 }
@@ -214,7 +272,8 @@ fn parse_integer(word: &[u8]) -> i32 {
     (if negative { -value } else { value }) as i32
 }
 
-/// A decimal number with tinyobjloader's rounding: digit by digit, so its last bits are often not those of the nearest number.
+/// A decimal number with tinyobjloader's rounding: digit by digit, so its last bits are often not
+/// those of the nearest number.
 fn parse_number(word: &[u8]) -> Option<f64> {
     const TENTHS: [f64; 8] = [1.0, 0.1, 0.01, 0.001, 0.0001, 0.00001, 0.000001, 0.0000001];
     let mut rest = word;
@@ -227,7 +286,11 @@ fn parse_number(word: &[u8]) -> Option<f64> {
         rest = &rest[1..];
     }
     let mut mantissa = 0.0;
-    let digit = |rest: &[u8]| rest.first().filter(|b| b.is_ascii_digit()).map(|b| f64::from(b - b'0'));
+    let digit = |rest: &[u8]| {
+        rest.first()
+            .filter(|b| b.is_ascii_digit())
+            .map(|b| f64::from(b - b'0'))
+    };
     if rest.first() != Some(&b'.') {
         digit(rest)?;
         while let Some(value) = digit(rest) {
@@ -242,7 +305,11 @@ fn parse_number(word: &[u8]) -> Option<f64> {
             rest = &rest[1..];
             let mut place = 1;
             while let Some(value) = digit(rest) {
-                mantissa += value * TENTHS.get(place).copied().unwrap_or_else(|| libm::pow(10.0, -(place as f64)));
+                mantissa += value
+                    * TENTHS
+                        .get(place)
+                        .copied()
+                        .unwrap_or_else(|| libm::pow(10.0, -(place as f64)));
                 place += 1;
                 rest = &rest[1..];
             }

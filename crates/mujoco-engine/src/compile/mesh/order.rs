@@ -1,22 +1,32 @@
-//! The order in which libmujoco goes through the polygons of a mesh: that of a hash map of libc++ (LLVM 20), with which its wheels
-//! for Linux are built. The order is a fact of the bits of the keys and of how the map grows (`__hash_table` in libc++).
+//! The order in which libmujoco goes through the polygons of a mesh: that of a hash map of libc++
+//! (LLVM 20), with which its wheels for Linux are built. The order is a fact of the bits of the
+//! keys and of how the map grows (`__hash_table` in libc++).
 
 use crate::Revision;
 
-/// The hash of a pair of numbers in libmujoco: the bits of both (a zero has none), mixed by exclusive or, in 4.0 as in Boost's
-/// `hash_combine` (found by experiment).
+/// The hash of a pair of numbers in libmujoco: the bits of both (a zero has none), mixed by
+/// exclusive or, in 4.0 as in Boost's `hash_combine` (found by experiment).
 pub(super) fn hash(first: f64, second: f64, revision: Revision) -> u64 {
     let bits = |x: f64| if x == 0.0 { 0 } else { x.to_bits() };
     let (first, second) = (bits(first), bits(second));
     match revision {
         Revision::V3_12 => first ^ second,
-        Revision::V4_0 => first ^ second.wrapping_add(0x9e37_79b9).wrapping_add(first << 6).wrapping_add(first >> 2),
+        Revision::V4_0 => {
+            first
+                ^ second
+                    .wrapping_add(0x9e37_79b9)
+                    .wrapping_add(first << 6)
+                    .wrapping_add(first >> 2)
+        }
     }
 }
 
 /// The order of iteration after keys with these hashes were inserted one by one.
 pub(super) fn iteration(hashes: &[u64]) -> Vec<usize> {
-    let mut table = Table { next: vec![END], ..Table::default() };
+    let mut table = Table {
+        next: vec![END],
+        ..Table::default()
+    };
     for &hash in hashes {
         table.insert(hash);
     }
@@ -31,7 +41,8 @@ pub(super) fn iteration(hashes: &[u64]) -> Vec<usize> {
 
 const END: usize = usize::MAX;
 
-/// A chain of all nodes, in which those of a bucket are neighbours. Node 0 is the head; bucket `b` starts after node `buckets[b]`.
+/// A chain of all nodes, in which those of a bucket are neighbours. Node 0 is the head; bucket `b`
+/// starts after node `buckets[b]`.
 #[derive(Debug, Default)]
 struct Table {
     next: Vec<usize>,
@@ -42,7 +53,11 @@ struct Table {
 impl Table {
     fn bucket(&self, node: usize) -> usize {
         let (hash, count) = (self.hashes[node - 1], self.buckets.len() as u64);
-        if count.is_power_of_two() { (hash & (count - 1)) as usize } else { (hash % count) as usize }
+        if count.is_power_of_two() {
+            (hash & (count - 1)) as usize
+        } else {
+            (hash % count) as usize
+        }
     }
 
     fn insert(&mut self, hash: u64) {
@@ -104,5 +119,8 @@ impl Table {
 }
 
 fn is_prime(n: usize) -> bool {
-    n >= 2 && (2..).take_while(|d| d * d <= n).all(|d| n % d != 0)
+    n >= 2
+        && (2..)
+            .take_while(|d| d * d <= n)
+            .all(|d| !n.is_multiple_of(d))
 }

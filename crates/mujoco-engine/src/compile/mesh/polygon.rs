@@ -1,10 +1,14 @@
-//! Polygons of OBJ files are cut into triangles, ear by ear, as tinyobjloader 1421a10d does (`exportGroupsToShape`).
+//! Polygons of OBJ files are cut into triangles, ear by ear, as tinyobjloader does
+//! (`exportGroupsToShape`): 3.12 has its commit 1421a10d, 4.0 a later one, which cuts quadrilaterals
+//! along the shorter diagonal and computes an ear's orientation otherwise.
 
 use super::error::MeshError;
+use crate::Revision;
 
 /// libmujoco drops polygons with more corners (found by experiment with 3.12.0 and 4.0.0).
 const MOST_CORNERS: usize = 100;
-/// Tests of corners that may be made for a file: some seconds' worth. A polygon of `n` corners takes up to n^3.
+/// Tests of corners that may be made for a file: some seconds' worth. A polygon of `n` corners
+/// takes up to n^3.
 const MOST_TESTS: usize = 1 << 30;
 
 /// A corner of a face in an OBJ file: indices from 0; -1: none.
@@ -22,21 +26,42 @@ pub(super) struct Cutter {
 }
 
 impl Cutter {
-    /// Appends the triangles of `polygon`. One of fewer than three or more than a hundred corners has none.
-    pub(super) fn cut(&mut self, vertices: &[f32], polygon: Vec<Corner>, out: &mut Vec<[Corner; 3]>) -> Result<(), MeshError> {
+    /// Appends the triangles of `polygon`. One of fewer than three or more than a hundred corners
+    /// has none.
+    pub(super) fn cut(
+        &mut self,
+        vertices: &[f32],
+        polygon: Vec<Corner>,
+        revision: Revision,
+        out: &mut Vec<[Corner; 3]>,
+    ) -> Result<(), MeshError> {
+        let corner = |corner: Corner, axis: usize| -> Option<f32> {
+            usize::try_from(corner.vertex)
+                .ok()
+                .and_then(|v| vertices.get(3 * v + axis))
+                .copied()
+        };
+        let position = |c: Corner| Some([corner(c, 0)?, corner(c, 1)?, corner(c, 2)?]);
         match polygon[..] {
             [] | [_] | [_, _] => return Ok(()),
             [a, b, c] => {
                 out.push([a, b, c]);
                 return Ok(());
             }
+            [a, b, c, d] if revision != Revision::V3_12 => {
+                if let [Some(pa), Some(pb), Some(pc), Some(pd)] = [a, b, c, d].map(position) {
+                    let shorter = square_distance(pa, pc) < square_distance(pb, pd);
+                    out.extend(if shorter {
+                        [[a, b, c], [a, c, d]]
+                    } else {
+                        [[a, b, d], [b, c, d]]
+                    });
+                }
+                return Ok(());
+            }
             _ if polygon.len() > MOST_CORNERS => return Ok(()),
             _ => {}
         }
-        let corner = |corner: Corner, axis: usize| -> Option<f32> {
-            usize::try_from(corner.vertex).ok().and_then(|v| vertices.get(3 * v + axis)).copied()
-        };
-        let position = |c: Corner| Some([corner(c, 0)?, corner(c, 1)?, corner(c, 2)?]);
         let axes = plane_axes(&polygon, position);
         let flat = |c: Corner| Some([corner(c, axes[0])?, corner(c, axes[1])?]);
         let mut area = 0.0f32;
@@ -63,6 +88,9 @@ impl Cutter {
             let ear = [0, 1, 2].map(|k| rest[(start + k) % n]);
             let [p, q, r] = ear.map(|c| flat(c).unwrap_or([0.0; 2]));
             let cross = (q[0] - p[0]) * (r[1] - q[1]) - (q[1] - p[1]) * (r[0] - q[0]);
+            if revision != Revision::V3_12 {
+                area = (p[0] * q[1] - p[1] * q[0]) * 0.5;
+            }
             if cross * area < 0.0 {
                 start += 1;
                 continue;
@@ -72,7 +100,11 @@ impl Cutter {
                 flat(rest[(start + k) % n]).is_some_and(|point| is_inside([p, q, r], point))
             });
             if self.tests > MOST_TESTS {
-                return Err(MeshError::TooMany { what: "tests of polygons' corners", found: self.tests, most: MOST_TESTS });
+                return Err(MeshError::TooMany {
+                    what: "tests of polygons' corners",
+                    found: self.tests,
+                    most: MOST_TESTS,
+                });
             }
             if overlaps {
                 start += 1;
@@ -88,12 +120,19 @@ impl Cutter {
     }
 }
 
+fn square_distance(a: [f32; 3], b: [f32; 3]) -> f32 {
+    let [x, y, z] = [0, 1, 2].map(|k| b[k] - a[k]);
+    x * x + y * y + z * z
+}
+
 /// The two axes that show the polygon widest, by its first corner that is not straight.
 fn plane_axes(polygon: &[Corner], position: impl Fn(Corner) -> Option<[f32; 3]>) -> [usize; 2] {
     let n = polygon.len();
     for k in 0..n {
         let corners = [0, 1, 2].map(|i| position(polygon[(k + i) % n]));
-        let [Some(a), Some(b), Some(c)] = corners else { continue };
+        let [Some(a), Some(b), Some(c)] = corners else {
+            continue;
+        };
         let e = [0, 1, 2].map(|i| b[i] - a[i]);
         let f = [0, 1, 2].map(|i| c[i] - b[i]);
         let x = (e[1] * f[2] - e[2] * f[1]).abs();

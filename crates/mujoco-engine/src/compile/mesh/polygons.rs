@@ -1,5 +1,5 @@
-//! The polygons of a hull: its triangles, joined where their normals nearly agree (`MakePolygons` in MuJoCo's `user_mesh.cc`).
-//! Contacts of faces are made from them.
+//! The polygons of a hull: its triangles, joined where their normals nearly agree (`MakePolygons`
+//! in MuJoCo's `user_mesh.cc`). Contacts of faces are made from them.
 
 use std::collections::{BTreeMap, HashMap};
 
@@ -29,17 +29,29 @@ impl Polygons {
         let mut hashes = Vec::new();
         let mut known: BTreeMap<[i64; 2], usize> = BTreeMap::new();
         for face in faces {
-            let Some([azimuth, polar]) = key(face.map(|v| points[v as usize])) else { continue };
-            let group = *known.entry([azimuth as i64, polar as i64]).or_insert_with(|| {
-                groups.push(Group::default());
-                hashes.push(order::hash(azimuth, polar, revision));
-                groups.len() - 1
-            });
+            let Some([azimuth, polar]) = key(face.map(|v| points[v as usize])) else {
+                continue;
+            };
+            let group = *known
+                .entry([azimuth as i64, polar as i64])
+                .or_insert_with(|| {
+                    groups.push(Group::default());
+                    hashes.push(order::hash(azimuth, polar, revision));
+                    groups.len() - 1
+                });
             groups[group].insert(*face);
         }
-        let mut polygons = Self { corners: Vec::new(), of_vertex: vec![Vec::new(); points.len()] };
+        let mut polygons = Self {
+            corners: Vec::new(),
+            of_vertex: vec![Vec::new(); points.len()],
+        };
         for i in order::iteration(&hashes) {
-            polygons.corners.extend(groups[i].outlines(revision).into_iter().filter(|outline| outline.len() >= 3));
+            polygons.corners.extend(
+                groups[i]
+                    .outlines(revision)
+                    .into_iter()
+                    .filter(|outline| outline.len() >= 3),
+            );
         }
         for (i, corners) in polygons.corners.iter().enumerate() {
             for &v in corners {
@@ -52,22 +64,36 @@ impl Polygons {
 
 /// The azimuth and the polar angle of a triangle's normal, in steps; none if it has no area.
 fn key([a, b, c]: [Vec3; 3]) -> Option<[f64; 2]> {
-    let normal = cross([0, 1, 2].map(|k| b[k] - a[k]), [0, 1, 2].map(|k| c[k] - a[k]));
+    let normal = cross(
+        [0, 1, 2].map(|k| b[k] - a[k]),
+        [0, 1, 2].map(|k| c[k] - a[k]),
+    );
     let length = dot(normal, normal).sqrt();
     if length < MINVAL {
         return None;
     }
     let [x, y, z] = normal.map(|n| n / length + 0.0);
     if z.abs() > POLE {
-        return Some([0.0, if z < 0.0 { (std::f64::consts::PI / STEP).round() } else { 0.0 }]);
+        return Some([
+            0.0,
+            if z < 0.0 {
+                (std::f64::consts::PI / STEP).round()
+            } else {
+                0.0
+            },
+        ]);
     }
-    Some([(libm::atan2(y, x) / STEP).round(), (libm::acos(z) / STEP).round()])
+    Some([
+        (libm::atan2(y, x) / STEP).round(),
+        (libm::acos(z) / STEP).round(),
+    ])
 }
 
 /// Triangles of one direction. They need not be connected: each island has a number, by age.
 #[derive(Debug, Default)]
 struct Group {
-    /// The directed edges of the outlines, by age, and their islands; none where another triangle closed the edge.
+    /// The directed edges of the outlines, by age, and their islands; none where another triangle
+    /// closed the edge.
     edges: Vec<Option<([i32; 2], usize)>>,
     place: HashMap<[i32; 2], usize>,
     open: usize,
@@ -80,14 +106,20 @@ impl Group {
         let edges = [[a, b], [b, c], [c, a]];
         let mut island = None;
         let closes = edges.map(|[from, to]| {
-            let Some(place) = self.place.remove(&[to, from]) else { return false };
+            let Some(place) = self.place.remove(&[to, from]) else {
+                return false;
+            };
             if let Some((_, other)) = self.edges[place].take() {
                 self.open -= 1;
                 let other = self.root(other);
                 island = Some(match island {
                     None => other,
                     Some(island) => {
-                        let (older, younger) = if other < island { (other, island) } else { (island, other) };
+                        let (older, younger) = if other < island {
+                            (other, island)
+                        } else {
+                            (island, other)
+                        };
                         self.parents[younger] = older;
                         older
                     }
@@ -124,7 +156,10 @@ impl Group {
         }
         let mut islands: BTreeMap<usize, Vec<(usize, [i32; 2])>> = BTreeMap::new();
         for (age, (edge, island)) in edges.into_iter().enumerate() {
-            islands.entry(self.root(island)).or_default().push((age, edge));
+            islands
+                .entry(self.root(island))
+                .or_default()
+                .push((age, edge));
         }
         let mut outlines = Vec::new();
         for edges in islands.into_values() {

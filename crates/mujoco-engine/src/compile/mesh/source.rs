@@ -2,6 +2,7 @@
 
 use super::error::MeshError;
 use super::{msh, obj, stl};
+use crate::Revision;
 use crate::compile::hull::MOST_POINTS;
 
 /// The most corners of faces.
@@ -19,7 +20,8 @@ pub enum Format {
 }
 
 impl Format {
-    /// The format that an extension or a media type names (`model/stl`, `model/obj`, `model/vnd.mujoco.msh`).
+    /// The format that an extension or a media type names (`model/stl`, `model/obj`,
+    /// `model/vnd.mujoco.msh`).
     #[must_use]
     pub fn named(name: &str) -> Option<Self> {
         match name.to_ascii_lowercase().as_str() {
@@ -51,16 +53,16 @@ pub struct Source {
 }
 
 impl Source {
-    /// Reads a mesh file.
+    /// Reads a mesh file as the given revision of MuJoCo does; polygons are cut differently.
     ///
     /// # Errors
     ///
-    /// [`MeshError`] if the bytes are no file of this format. A declared count is compared with the number of bytes before
-    /// anything is allocated.
-    pub fn read(format: Format, bytes: &[u8]) -> Result<Self, MeshError> {
+    /// [`MeshError`] if the bytes are no file of this format. A declared count is compared with the
+    /// number of bytes before anything is allocated.
+    pub fn read(format: Format, bytes: &[u8], revision: Revision) -> Result<Self, MeshError> {
         match format {
             Format::Stl => stl::read(bytes),
-            Format::Obj => obj::read(bytes),
+            Format::Obj => obj::read(bytes, revision),
             Format::Msh => msh::read(bytes),
         }
     }
@@ -100,10 +102,18 @@ impl Source {
             ("texcoord", self.texture.len(), 2),
             ("face", self.faces.len(), 3),
             ("the list of the faces' normals", self.face_normals.len(), 3),
-            ("the list of the faces' texture coordinates", self.face_texture.len(), 3),
+            (
+                "the list of the faces' texture coordinates",
+                self.face_texture.len(),
+                3,
+            ),
         ] {
             if found % multiple != 0 {
-                return Err(MeshError::Multiple { name, found, multiple });
+                return Err(MeshError::Multiple {
+                    name,
+                    found,
+                    multiple,
+                });
             }
         }
         let vertices = self.vertices.len() / 3;
@@ -126,10 +136,21 @@ impl Source {
             && self.face_texture.is_empty()
             && self.format != Some(Format::Obj)
         {
-            return Err(MeshError::TextureCoordinates { found: self.texture.len() / 2, vertices });
+            return Err(MeshError::TextureCoordinates {
+                found: self.texture.len() / 2,
+                vertices,
+            });
         }
-        if let Some(i) = self.faces.iter().position(|&v| v < 0 || v as usize >= vertices) {
-            return Err(MeshError::NoVertex { face: i / 3, vertex: self.faces[i], vertices });
+        if let Some(i) = self
+            .faces
+            .iter()
+            .position(|&v| v < 0 || v as usize >= vertices)
+        {
+            return Err(MeshError::NoVertex {
+                face: i / 3,
+                vertex: self.faces[i],
+                vertices,
+            });
         }
         Ok(())
     }

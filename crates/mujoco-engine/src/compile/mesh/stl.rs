@@ -13,11 +13,15 @@ const MOST_TRIANGLES: i32 = 200_000;
 /// MuJoCo's limit of a coordinate, 2^30.
 const LARGEST: f32 = 1_073_741_824.0;
 
-/// Reads binary STL as MuJoCo does: corners with equal bits are one vertex, in the order of their first appearance; normals are
-/// ignored. Text is refused.
+/// Reads binary STL as MuJoCo does: corners with equal bits are one vertex, in the order of their
+/// first appearance; normals are ignored. Text is refused.
 pub(super) fn read(bytes: &[u8]) -> Result<Source, MeshError> {
     if bytes.len() < HEADER {
-        return Err(MeshError::Header { format: FORMAT, expected: HEADER, found: bytes.len() });
+        return Err(MeshError::Header {
+            format: FORMAT,
+            expected: HEADER,
+            found: bytes.len(),
+        });
     }
     let (header, triangles) = bytes.split_at(HEADER);
     let count = i32::from_le_bytes([header[80], header[81], header[82], header[83]]);
@@ -40,7 +44,10 @@ pub(super) fn read(bytes: &[u8]) -> Result<Source, MeshError> {
             hint: "; if the file is text, convert it to binary",
         });
     }
-    let mut source = Source { format: Some(Format::Stl), ..Source::default() };
+    let mut source = Source {
+        format: Some(Format::Stl),
+        ..Source::default()
+    };
     let mut seen: HashMap<[u8; 12], i32> = HashMap::new();
     for triangle in triangles.chunks_exact(TRIANGLE) {
         for corner in triangle[12..48].chunks_exact(12) {

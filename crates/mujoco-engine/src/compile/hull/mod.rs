@@ -31,7 +31,11 @@ mod merge;
 mod partition;
 mod plane;
 mod rename;
+#[cfg(test)]
+pub(crate) mod samples;
 mod simplex;
+#[cfg(test)]
+mod tests;
 mod triangulate;
 
 use arena::{Facet, NONE, Plane, Ridge, Set, Vertex};

@@ -17,8 +17,12 @@ mod obj;
 mod order;
 mod polygon;
 mod polygons;
+#[cfg(test)]
+pub(crate) mod samples;
 mod source;
 mod stl;
+#[cfg(test)]
+mod tests;
 
 pub use error::MeshError;
 pub use source::{Format, Source};

@@ -14,9 +14,9 @@
 //!
 //! A facet that a point is above has charge of it. The furthest point of a facet is added: the
 //! facets that it sees (`cone.rs`) are replaced by a cone of new ones to their horizon, those that
-//! are not convex merge (`convexity.rs`, `merge.rs`, `rename.rs`), and the points of the old facets
-//! move to new ones (`partition.rs`, `locate.rs`). When no facet has a point above it, polygons
-//! become triangles (`triangulate.rs`).
+//! are not convex merge (`convexity.rs`, `queue.rs`, `merge.rs`, `rename.rs`), and the points of
+//! the old facets move to new ones (`partition.rs`, `locate.rs`). When no facet has a point above
+//! it, polygons become triangles (`triangulate.rs`).
 
 mod arena;
 mod check;
@@ -30,6 +30,7 @@ mod locate;
 mod merge;
 mod partition;
 mod plane;
+mod queue;
 mod rename;
 #[cfg(test)]
 pub(crate) mod samples;
@@ -40,10 +41,10 @@ mod triangulate;
 
 use arena::{Facet, NONE, Plane, Ridge, Set, Vertex};
 use constants::Constants;
-use convexity::Merge;
 pub use error::HullError;
 pub use graph::Graph;
 use lists::NOWHERE;
+use queue::Merge;
 
 /// The most points of a set.
 pub const MOST_POINTS: usize = 1 << 23;

@@ -145,8 +145,8 @@ impl Mesh {
         revision: Revision,
     ) -> Result<Self, MeshError> {
         let right_handed = options.scale[0] * options.scale[1] * options.scale[2] > 0.0;
-        if source.format == Some(Format::Msh) && !right_handed {
-            // libmujoco turns these faces here and once more below
+        if source.format == Some(Format::Msh) && !right_handed && revision == Revision::V3_12 {
+            // 3.12 turns these faces here and once more below
             turn(source.faces.as_chunks_mut().0);
         }
         source.check()?;
@@ -163,14 +163,11 @@ impl Mesh {
         }
 
         let needs_hull = options.collides || options.inertia == Inertia::Convex || faces.is_empty();
-        let graph = needs_hull
+        let mut graph = needs_hull
             .then(|| hull(&points, options.max_hull_vertices))
             .transpose()?;
-        let hull_faces: Vec<[i32; 3]> = graph
-            .iter()
-            .flat_map(|graph| &graph.faces)
-            .map(|face| face.map(|v| v as i32))
-            .collect();
+        let hull_faces = graph.iter().flat_map(|graph| &graph.faces);
+        let mut hull_faces: Vec<[i32; 3]> = hull_faces.map(|face| face.map(|v| v as i32)).collect();
         if faces.is_empty() {
             faces.clone_from(&hull_faces);
         }
@@ -199,11 +196,19 @@ impl Mesh {
                 .map(|&v| per_vertex.wrapping_mul(v))
                 .collect();
         }
-        let polygons = Polygons::new(&points, &hull_faces, revision);
+        let mut polygons = Polygons::new(&points, &hull_faces, revision);
         if !right_handed {
             turn(&mut faces);
             turn(face_normals.as_chunks_mut().0);
             turn(face_texture.as_chunks_mut().0);
+            if revision != Revision::V3_12 {
+                // 3.12 leaves the hull inside out
+                turn(graph.as_mut().map_or(&mut [], |graph| &mut graph.faces));
+                turn(&mut hull_faces);
+                for corners in &mut polygons.corners {
+                    corners[1..].reverse();
+                }
+            }
         }
 
         transform(&mut points, &mut normals, options);
@@ -284,7 +289,7 @@ impl Mesh {
     }
 }
 
-fn turn(faces: &mut [[i32; 3]]) {
+fn turn<T>(faces: &mut [[T; 3]]) {
     for face in faces {
         face.swap(1, 2);
     }

@@ -40,6 +40,9 @@ fn options(number: u64, random: &mut Random) -> Options {
     if number % 5 == 4 {
         options.max_hull_vertices = Some(6);
     }
+    if number % 7 == 6 {
+        options.scale[2] = -options.scale[2];
+    }
     options
 }
 

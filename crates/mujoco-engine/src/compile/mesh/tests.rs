@@ -191,22 +191,22 @@ fn sixty_made_meshes_have_libmujocos_bits() {
             Revision::V3_12,
             [
                 0x3a29_5f4e_ba6a_3cc5,
-                0x9914_2c4b_34cc_fc6f,
-                0x5e39_5a35_5550_890a,
-                0x8ae7_9c47_3b01_d945,
-                0x4e87_b247_5ea4_2600,
-                0xa625_ad70_9187_5308,
+                0xdd8f_5387_a44d_928f,
+                0xd643_7200_45e9_23b0,
+                0x812e_3d4e_f72d_417f,
+                0xdd11_3d24_83bc_8262,
+                0x86e3_0eff_c252_6530,
             ],
         ),
         (
             Revision::V4_0,
             [
                 0x5774_c123_156e_3baa,
-                0xaf12_adf1_2e0d_09db,
-                0x8fdd_9ebf_2878_68f4,
-                0xce05_cddd_d99b_721d,
-                0xeda5_38a0_6d48_3df0,
-                0xc511_8523_14d0_4438,
+                0x4967_d716_0c27_3815,
+                0xdd45_77a8_9c0b_2441,
+                0x8f39_7a99_1a9c_e32b,
+                0xa4aa_c6ed_dec3_400b,
+                0x196b_1bc7_93c5_455b,
             ],
         ),
     ];
@@ -414,7 +414,10 @@ fn bad_meshes_are_refused() {
         inertia: Inertia::Convex,
         ..default
     };
-    assert!(matches!(bad(WEDGE, mirrored), MeshError::NegativeVolume(volume) if volume < -0.9));
+    // 3.12 leaves the hull of a mirrored mesh inside out
+    let fault = compile(WEDGE, mirrored, Revision::V3_12).unwrap_err();
+    assert!(matches!(fault, MeshError::NegativeVolume(volume) if volume < -0.9));
+    assert!(compile(WEDGE, mirrored, Revision::V4_0).is_ok());
     let tiny = Options {
         scale: [1e-6; 3],
         ..default

@@ -138,7 +138,7 @@ impl Mesh {
     ///
     /// [`MeshError`] if the data do not fit together, the mesh is flat though it collides, it has
     /// no area or volume, or it is beyond the limits of
-    /// [`MOST_POINTS`](crate::compile::hull::MOST_POINTS) vertices and 2^26 corners of faces.
+    /// [`MOST_POINTS`](crate::compile::hull::MOST_POINTS) vertices and 2^25 corners of faces.
     pub fn compile(
         mut source: Source,
         options: &Options,

@@ -3,7 +3,7 @@
 
 use super::error::MeshError;
 use super::polygon::{Corner, Cutter};
-use super::source::{Format, Source};
+use super::source::{Format, MOST_CORNERS, Source};
 use crate::Revision;
 use crate::compile::hull::MOST_POINTS;
 use crate::math::libm;
@@ -72,6 +72,8 @@ struct Reader {
     faces: Vec<Vec<Corner>>,
     lines: Vec<Vec<Corner>>,
     points: bool,
+    /// The corners of all polygons, lines and points so far.
+    corners: usize,
     /// The first object or group that has any.
     first: Option<Shape>,
     cutter: Cutter,
@@ -110,7 +112,7 @@ impl Reader {
         Ok(())
     }
 
-    fn corners(&self, mut rest: Line<'_>) -> Result<Vec<Corner>, MeshError> {
+    fn corners(&mut self, mut rest: Line<'_>) -> Result<Vec<Corner>, MeshError> {
         let counts = [
             &self.source.vertices,
             &self.source.texture,
@@ -125,6 +127,15 @@ impl Reader {
                 line: self.number,
                 fault,
             })?);
+        }
+        self.corners += corners.len();
+        if self.corners > MOST_CORNERS {
+            let found = self.corners;
+            return Err(MeshError::TooMany {
+                what: "corners of faces",
+                found,
+                most: MOST_CORNERS,
+            });
         }
         Ok(corners)
     }

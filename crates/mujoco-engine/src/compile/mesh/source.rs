@@ -5,8 +5,8 @@ use super::{msh, obj, stl};
 use crate::Revision;
 use crate::compile::hull::MOST_POINTS;
 
-/// The most corners of faces.
-const MOST_CORNERS: usize = 1 << 26;
+/// The most corners of faces: eleven million triangles.
+pub(super) const MOST_CORNERS: usize = 1 << 25;
 
 /// The format of a mesh file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -37,6 +37,8 @@
 //! - **A part of MJCF.** All joints, tendons, equality constraints and sensors of the list in
 //!   [`Model::from_xml`]; planes, spheres, capsules, cylinders, boxes and ellipsoids. Meshes with
 //!   mass or contacts, height fields, flexes and plugins are refused.
+//! - **Meshes by themselves.** [`mesh::Mesh`] compiles a mesh of an STL, OBJ or MSH file, with its
+//!   convex [`hull`], to the arrays of libmujoco. The models of [`Model::from_xml`] do not use them yet.
 //! - **Determinism.** No clock, no threads, no global state, no allocation in a step, no `unsafe`.
 //! - **Many worlds at once.** [`lanes::Worlds`] steps many worlds of one model, with their states in
 //!   columns.
@@ -52,6 +54,7 @@ mod mjcf;
 
 mod compile;
 
+pub use compile::{hull, mesh};
 pub use error::{Error, Result};
 pub use model::{CompiledModel, Model, Revision};
 pub use physics::{Contact, Data, forward, lanes, step, step1, step2};

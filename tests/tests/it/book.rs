@@ -230,6 +230,7 @@ mod imports {
     use gym::registry::pretty as _;
     use gym::render as _;
     use gym::render::RecordVectorVideo as _;
+    use gym::sim::engine as _;
     use gym::vector::native as _;
     use gym::wrappers::map as _;
     use gym::wrappers::observing as _;

@@ -180,12 +180,18 @@ pub(super) fn combine(parts: &[Inertia], revision: Revision) -> Option<Inertia> 
 /// From MuJoCo 3.14 on, the iteration stops when the largest off-diagonal element is small relative
 /// to the largest element of the matrix, no longer by absolute limits, and computes half the turn
 /// from its tangent.
-pub(super) fn principal_axes(
+pub(super) fn principal_axes(total: [f64; 6], revision: Revision) -> ([f64; 3], Quat) {
+    principal_axes_within(total, revision, 4e-15)
+}
+
+/// [`principal_axes`] with another limit `rest` of the largest off-diagonal element, relative to
+/// the largest element. The limit counts from MuJoCo 3.14 on.
+pub(super) fn principal_axes_within(
     [xx, yy, zz, xy, xz, yz]: [f64; 6],
     revision: Revision,
+    rest: f64,
 ) -> ([f64; 3], Quat) {
     const EIG_EPS: f64 = 1e-12;
-    const REST: f64 = 4e-15;
     const MAX_ITERATIONS: usize = 500;
     // the square root of one half, with the digits of libmujoco
     #[expect(
@@ -198,7 +204,10 @@ pub(super) fn principal_axes(
     let (least, rising) = match revision {
         Revision::V3_12 => (EIG_EPS, EIG_EPS),
         // a number equal to the limit counts as small
-        Revision::V4_0 => ((REST * largest).next_up(), EIG_EPS * largest),
+        Revision::V4_0 => (
+            (rest * largest).next_up(),
+            f64::max(rest, EIG_EPS) * largest,
+        ),
     };
     let mut quat = IDENTITY;
     let mut moments = [0.0; 3];

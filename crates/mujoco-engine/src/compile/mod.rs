@@ -5,6 +5,7 @@
 //! | `source` | models from texts and files |
 //! | `body`, `joint`, `geom`, ... | a section of MJCF each: ids, frames |
 //! | `inertia`, `fluid` | masses, principal axes, coefficients of shapes |
+//! | `mesh`, `hull` | meshes of files; their convex hulls |
 //! | `constants` | fields that follow from others, by stages of the engine |
 //! | `complete`, `check`, `features` | fields left out; refusal of models that the engine cannot run |
 //! | `figures` | the model as a table |
@@ -20,9 +21,11 @@ mod features;
 mod figures;
 mod fluid;
 mod geom;
+pub mod hull;
 mod inertia;
 mod joint;
 mod keyframe;
+pub mod mesh;
 mod sensor;
 mod source;
 mod tendon;

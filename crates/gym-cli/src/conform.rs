@@ -10,8 +10,8 @@ use crate::workspace::Workspace;
 pub(crate) struct Arguments {
     /// The environments; by default those that this workspace registers.
     ids: Vec<String>,
-    /// Checks one environment of each class: of those of one module with the same arguments, the
-    /// last in the order of ids.
+    /// Checks one environment of each class: leaves one out if a later one of its module and
+    /// namespace has all of its arguments.
     #[arg(long, conflicts_with = "ids")]
     sample: bool,
     /// With `--sample`: checks also all environments of crates with files that differ from this

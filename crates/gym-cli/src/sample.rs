@@ -1,6 +1,6 @@
 //! The sample of environments that `conform --sample` checks.
 
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeSet;
 use std::process::Command;
 
 use gym::{Error, Registration, Result};
@@ -25,22 +25,34 @@ pub(crate) fn changed_files(workspace: &Workspace, commit: &str) -> Result<Vec<S
 }
 
 /// Returns one environment of each class, and all of crates that a changed file belongs to.
+///
+/// An environment is left out if a later one of its module and namespace has all of its arguments.
 pub(crate) fn sample(all: Vec<Registration>, changed: &[String]) -> Result<Vec<Registration>> {
-    let mut last = BTreeMap::new();
-    for (i, one) in all.iter().enumerate() {
-        let arguments = one.arguments()?;
-        let names: Vec<_> = arguments.iter().map(|argument| argument.name).collect();
-        last.insert((one.source.module, names), i);
-    }
-    let last: BTreeSet<usize> = last.into_values().collect();
-    let is_kept = |(i, one): &(usize, Registration)| {
-        last.contains(i)
+    let names_of = |one: &Registration| {
+        let arguments = one.arguments()?.into_iter();
+        Ok(arguments.map(|argument| argument.name).collect())
+    };
+    let names: Vec<BTreeSet<_>> = all.iter().map(names_of).collect::<Result<_>>()?;
+    let class = |i: usize| {
+        let namespace = all[i].id().rsplit_once('/').map(|(namespace, _)| namespace);
+        (all[i].source.module, namespace)
+    };
+    let is_last = |i: usize| {
+        let mut later = i + 1..all.len();
+        !later.any(|j| class(j) == class(i) && names[j].is_superset(&names[i]))
+    };
+    let is_kept = |i: usize| {
+        is_last(i)
             || changed
                 .iter()
-                .any(|file| is_of_the_crate(file, one.source.file))
+                .any(|file| is_of_the_crate(file, all[i].source.file))
     };
-    let kept = all.into_iter().enumerate().filter(is_kept);
-    Ok(kept.map(|(_, one)| one).collect())
+    let kept: BTreeSet<usize> = (0..all.len()).filter(|i| is_kept(*i)).collect();
+    let all = all.into_iter().enumerate();
+    Ok(all
+        .filter(|(i, _)| kept.contains(i))
+        .map(|(_, one)| one)
+        .collect())
 }
 
 /// Whether `file` is in the folder of the crate whose source is `source`.

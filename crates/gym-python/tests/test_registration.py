@@ -151,5 +151,9 @@ def test_errors_of_namespaces_that_gymnasium_lacks(
 
 
 def test_the_engine_that_the_package_lacks_is_named() -> None:
-    with pytest.raises(ValueError, match="build with the feature `rapier`"):
-        rustgym.make("CarRacing-v3", physics="rapier")
+    try:
+        rustgym.make("CarRacing-v3", physics="rapier").close()
+    except ValueError as error:
+        assert "build with the feature `rapier`" in str(error)
+    else:
+        pytest.skip("this build has the engine")

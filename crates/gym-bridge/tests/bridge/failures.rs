@@ -385,7 +385,7 @@ fn what_goes_wrong_at_the_end_is_told() {
         let output = Command::new(std::env::current_exe().unwrap())
             .args([
                 "--exact",
-                "what_goes_wrong_at_the_end_is_told",
+                "failures::what_goes_wrong_at_the_end_is_told",
                 "--nocapture",
             ])
             .env(HANGS, hangs)

@@ -6,6 +6,7 @@ The classes are made when they are asked for. Ids that Gymnasium's users know by
 
 from __future__ import annotations
 
+import contextlib
 import json
 from functools import partial
 from importlib.util import find_spec
@@ -14,6 +15,7 @@ from typing import Any
 import gymnasium
 
 from rustgym import _modules, _native
+from rustgym._errors import InvalidArgument
 from rustgym._specs import SPECS, class_name, metadata_from, task_of
 from rustgym.env import ClassEnv, Env
 from rustgym.envs.atari import AtariEnv
@@ -91,8 +93,11 @@ def _env_class(name: str, env_id: str) -> type[Env]:
     spec = SPECS[env_id]
     of_crate: dict[str, type[Env]] = {"gym-atari": AtariEnv, "gym-control": ControlEnv, "gym-minigrid": GridEnv}
     base = of_crate.get(spec["crate"]) or _BASES.get(task_of(env_id), ClassEnv)
-    # a game cannot be described without its ROM: the base class has the metadata
-    metadata = dict(base.metadata) if base is AtariEnv else metadata_from(json.loads(_native.describe(env_id)))
+    # a game cannot be described without its ROM, others not without an argument: the base class has the metadata
+    metadata = dict(base.metadata)
+    if base is not AtariEnv:
+        with contextlib.suppress(InvalidArgument):
+            metadata = metadata_from(json.loads(_native.describe(env_id)))
     metadata["render_modes"] = metadata["render_modes"] + _MORE_MODES.get(task_of(env_id), [])
     arguments = "".join(_documented(argument, spec["defaults"]) for argument in spec["arguments"])
     doc = f"{spec['description'] or env_id}\n\n    ``{env_id}`` without Gymnasium's wrappers, with the arguments:\n{arguments}"

@@ -230,9 +230,6 @@ impl Env for GridEnv {
         let Some(Episode { world, rng }) = &mut self.episode else {
             return Err(Error::ResetNeeded("step"));
         };
-        if *action as u32 >= self.facts.rules.actions {
-            return Err(self.action_space().refuse_action(action));
-        }
         world.begin();
         let outcome = self.level.step(world, *action, rng);
         self.facts.observe(world, observation);

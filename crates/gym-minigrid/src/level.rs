@@ -45,7 +45,8 @@ pub struct Rules {
     pub see_through_walls: bool,
     /// The space of missions.
     pub missions: MissionSpace,
-    /// The number of actions: all seven, or only the first.
+    /// The number of actions in the action space: all seven, or only the first. `step` of a level
+    /// receives the others too, as in minigrid.
     pub actions: u32,
 }
 

@@ -3,7 +3,7 @@
 //! | | |
 //! |---|---|
 //! | observation | `image`: kind, colour and state of the 7 by 7 cells before the agent; `direction`; `mission` |
-//! | action | left, right, forward: the first three of [`Action`] |
+//! | action | left, right, forward: the first three of [`Action`]; the others turn left |
 //! | reward | `1 - 0.9 * steps / max_steps` in the goal; -1 for moving forward against an obstacle; else 0 |
 //! | start | in the top left corner, looking right; at random in the ids with `Random` |
 //! | end | terminated in the goal and against an obstacle |
@@ -11,6 +11,7 @@
 //!
 //! Source: minigrid 3.2.0, `envs/dynamicobstacles.py`.
 
+use gym_core::registry::Exceptions;
 use gym_core::{Generator, Outcome};
 
 use super::{DIRECTION, direction, ids};
@@ -67,6 +68,10 @@ impl Level for DynamicObstacles {
     }
 
     fn step(&self, world: &mut World, action: Action, rng: &mut Generator) -> Outcome {
+        let action = match action {
+            Action::Left | Action::Right | Action::Forward => action,
+            _ => Action::Left,
+        };
         let front = world.front();
         let hits = action == Action::Forward && !front.is_empty() && !front.is(Kind::Goal);
         for index in 0..world.targets.len() {
@@ -95,7 +100,17 @@ impl Level for DynamicObstacles {
     }
 }
 
-ids! { DynamicObstacles, "Reach the goal without running into moving balls.", excused DIRECTION:
+/// The conformance exceptions.
+const EXCEPTIONS: Exceptions = &[
+    DIRECTION[0],
+    DIRECTION[1],
+    ("action-validated", BEYOND),
+    ("refusal-changes-nothing", BEYOND),
+];
+
+const BEYOND: &str = "an action beyond the space turns left, as in minigrid";
+
+ids! { DynamicObstacles, "Reach the goal without running into moving balls.", excused EXCEPTIONS:
     "MiniGrid-Dynamic-Obstacles-5x5-v0", r#"{"size": 5, "n_obstacles": 2}"#;
     "MiniGrid-Dynamic-Obstacles-Random-5x5-v0",
         r#"{"size": 5, "agent_start_pos": null, "n_obstacles": 2}"#;

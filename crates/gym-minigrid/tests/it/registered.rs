@@ -169,6 +169,28 @@ fn a_grid_without_room_is_an_error() {
     }
 }
 
+/// In `DynamicObstacles` the actions beyond the action space turn left, as in minigrid.
+#[test]
+fn actions_beyond_three_turn_left_before_dynamic_obstacles() {
+    for other in 3..=6 {
+        let [mut turns, mut env] = [0; 2].map(|_| {
+            let mut env = make("MiniGrid-Dynamic-Obstacles-8x8-v0").unwrap();
+            env.reset(4).unwrap();
+            env
+        });
+        for step in 0..40 {
+            let expected = turns.step(&Value::Int(0)).unwrap();
+            assert_eq!(
+                env.step(&Value::Int(other)).unwrap(),
+                expected,
+                "action {other}, step {step}"
+            );
+        }
+        assert_eq!(turns.snapshot().unwrap(), env.snapshot().unwrap());
+        assert!(env.step(&Value::Int(7)).is_err());
+    }
+}
+
 #[test]
 fn good_policies_solve_their_tasks() {
     let mut count = 0;

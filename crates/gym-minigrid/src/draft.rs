@@ -118,8 +118,12 @@ impl<'a> Draft<'a> {
     /// Draws an element of `list`: minigrid's `_rand_elem`.
     ///
     /// # Errors
-    /// The errors of [`int`](Self::int).
+    /// [`GenerationError::Impossible`] for an empty list, and the errors of [`int`](Self::int).
     pub fn pick<T: Copy>(&mut self, list: &[T]) -> Generated<T> {
+        if list.is_empty() {
+            let reason = "there is nothing to choose from: place more objects, or more rooms";
+            return Err(GenerationError::Impossible(reason.into()));
+        }
         Ok(list[self.int(0, list.len() as i32)? as usize])
     }
 
@@ -215,7 +219,7 @@ impl<'a> Draft<'a> {
         let mut tries = 0;
         loop {
             if tries > max_tries {
-                return Err(GenerationError::Rejected("rejection sampling failed"));
+                return Err(GenerationError::Rejected("no free place was found"));
             }
             tries += 1;
             let pos = Pos::new(self.int(x, right)?, self.int(y, bottom)?);

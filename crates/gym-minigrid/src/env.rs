@@ -108,7 +108,9 @@ impl GridEnv {
             Ok(()) => {}
             Err(GenerationError::Impossible(reason)) => return self.refuse(reason),
             Err(GenerationError::Rejected(reason)) => {
-                return self.refuse(format!("{reason}: reset with another seed"));
+                return self.refuse(format!(
+                    "{reason}: reset with another seed, or make the grid larger or its objects fewer"
+                ));
             }
         }
         if !world.grid.contains(world.agent) || !world.grid.get(world.agent).can_overlap() {

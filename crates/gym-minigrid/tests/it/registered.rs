@@ -169,6 +169,28 @@ fn a_grid_without_room_is_an_error() {
     }
 }
 
+#[test]
+fn a_level_that_cannot_be_says_what_would_help() {
+    for (id, name, value, reason) in [
+        (
+            "BabyAI-GoToLocal-v0",
+            "num_dists",
+            json!(0),
+            "there is nothing to choose from: place more objects",
+        ),
+        (
+            "MiniGrid-Dynamic-Obstacles-8x8-v0",
+            "size",
+            json!(3),
+            "no free place was found: reset with another seed, or make the grid larger",
+        ),
+    ] {
+        let mut env = builder(id).arg(name, value).build().unwrap();
+        let error = env.reset(0).unwrap_err().to_string();
+        assert!(error.contains(reason), "{id}: {error}");
+    }
+}
+
 /// In `DynamicObstacles` the actions beyond the action space turn left, as in minigrid.
 #[test]
 fn actions_beyond_three_turn_left_before_dynamic_obstacles() {

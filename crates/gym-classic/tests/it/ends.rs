@@ -5,7 +5,7 @@ use gym_classic::{
     MountainCarContinuous, Pendulum, mountain_car, mountain_car_continuous, pendulum,
 };
 use gym_core::vector::{Autoreset, VectorEnv, VectorEnvExt, VectorReset};
-use gym_core::{Continuous, Dynamics, Env, EnvExt, Generator, Reset, Task, Value};
+use gym_core::{Continuous, Dynamics, Env, EnvExt, Generator, Reset, Task, Value, make};
 use gym_native::NativeVectorEnv;
 
 /// Returns the rewards until the pole falls, and the reward of one further step.
@@ -340,4 +340,20 @@ fn negative_divisors_are_taken() {
         };
         assert_eq!(CartPole::new(config).is_ok(), fits, "{length}");
     }
+}
+
+/// `CartPole-v0` is `CartPole-v1` with another limit of steps, and so another environment.
+#[test]
+fn a_snapshot_of_another_version_is_refused() {
+    let [mut env, mut other] = ["CartPole-v1", "CartPole-v0"].map(|id| make(id).unwrap());
+    env.reset(0).unwrap();
+    other.reset(1).unwrap();
+    let before = other.snapshot().unwrap();
+    let error = other.restore(&env.snapshot().unwrap()).unwrap_err();
+    let error = error.to_string();
+    assert!(
+        error.contains("a limit of 500 steps, not of 200"),
+        "{error}"
+    );
+    assert_eq!(other.snapshot().unwrap(), before);
 }

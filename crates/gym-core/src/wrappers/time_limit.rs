@@ -7,7 +7,7 @@ use crate::spec::{EnvSpec, Reset, WrapperConfig};
 use crate::value::{Error, Result, Snapshot};
 
 /// Sets `truncated` once an episode has lasted a number of steps. `terminated` is unchanged: one
-/// step can set both.
+/// step can set both. A snapshot taken with another limit is refused.
 #[derive(Clone, Debug)]
 pub struct TimeLimit<E = BoxEnv> {
     inner: E,
@@ -97,11 +97,21 @@ impl<E: Env> crate::env::Wrapper for TimeLimit<E> {
     }
 
     fn on_snapshot(&self) -> Result<Snapshot> {
-        Snapshot::of(&(self.inner.snapshot()?, self.count.elapsed_steps))
+        let StepCount {
+            max_episode_steps,
+            elapsed_steps,
+        } = self.count;
+        Snapshot::of(&(self.inner.snapshot()?, elapsed_steps, max_episode_steps))
     }
 
     fn on_restore(&mut self, snapshot: &Snapshot) -> Result<()> {
-        let (env, elapsed_steps) = snapshot.get()?;
+        let (env, elapsed_steps, limit): (_, _, u32) = snapshot.get()?;
+        if limit != self.count.max_episode_steps {
+            return Err(Error::Snapshot(format!(
+                "it was taken with a limit of {limit} steps, not of {}",
+                self.count.max_episode_steps
+            )));
+        }
         self.inner.restore(&env)?;
         self.count.elapsed_steps = elapsed_steps;
         Ok(())

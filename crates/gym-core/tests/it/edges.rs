@@ -277,7 +277,8 @@ fn a_collection_stays_inside_of_a_later_wrapper() {
     assert_eq!(spec.render_mode, Some(RenderMode::Ansi));
 }
 
-/// A snapshot contains the count of steps, but not the limit.
+/// A snapshot contains the count of steps and the limit: an environment with another limit is
+/// another environment.
 #[test]
 fn a_limit_holds_from_the_step_that_is_restored() {
     let limited = |limit| TimeLimit::new(Count::default(), limit).unwrap();
@@ -286,14 +287,25 @@ fn a_limit_holds_from_the_step_that_is_restored() {
     for _ in 0..4 {
         assert!(!long.step(&1).unwrap().truncated);
     }
-    let mut short = limited(5);
-    short.restore(&long.snapshot().unwrap()).unwrap();
-    assert_eq!(short.elapsed_steps(), 4);
-    assert!(short.step(&1).unwrap().truncated);
-    // beyond the limit every step truncates
-    let mut shorter = limited(2);
-    shorter.restore(&long.snapshot().unwrap()).unwrap();
-    assert!(shorter.step(&1).unwrap().truncated);
+    let snapshot = long.snapshot().unwrap();
+    for other in [2, 5, 11] {
+        let mut other = limited(other);
+        other.reset(0).unwrap();
+        other.step(&1).unwrap();
+        let before = other.snapshot().unwrap();
+        let error = other.restore(&snapshot).unwrap_err().to_string();
+        assert!(error.contains("taken with a limit of 10 steps"), "{error}");
+        assert_eq!(other.snapshot().unwrap(), before);
+    }
+    let mut same = limited(10);
+    same.restore(&snapshot).unwrap();
+    assert_eq!(same.elapsed_steps(), 4);
+    for step in 5..=12 {
+        // beyond the limit every step truncates
+        assert_eq!(same.step(&1).unwrap().truncated, step >= 10, "{step}");
+        let snapshot = same.snapshot().unwrap();
+        same.restore(&snapshot).unwrap();
+    }
     // both flags are true if a step terminates at the limit
     let mut both = limited(1);
     both.reset(0).unwrap();

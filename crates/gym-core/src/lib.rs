@@ -26,6 +26,8 @@ pub mod registry;
 /// The imports for using environments: `use gym::prelude::*`.
 pub mod prelude {
     #[doc(no_inline)]
+    pub use crate::render::RenderMode;
+    #[doc(no_inline)]
     pub use crate::{
         BoxEnv, Env, EnvExt, Reset, Result, Space, Value, VectorEnv, VectorEnvExt, builder, make,
         make_vec,

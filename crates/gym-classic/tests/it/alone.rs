@@ -1,8 +1,8 @@
 //! Tests one family without the facade and without a renderer.
 
 use gym_classic as _; // a crate that is not named is not linked, and its environments are missing
-use gym_core::render::RenderMode;
-use gym_core::{EnvExt, builder, make, registry};
+use gym_core::prelude::*;
+use gym_core::registry;
 
 #[test]
 fn only_this_family_is_linked() {
@@ -23,7 +23,9 @@ fn pictures_need_a_crate_that_draws() {
         .unwrap_err()
         .to_string();
     assert!(
-        error.contains("add gym-render and `use gym_render as _;`"),
+        error.contains(
+            "turn on the feature `render` of rust-gym, or add gym-render and `use gym_render as _;`"
+        ),
         "{error}"
     );
 }

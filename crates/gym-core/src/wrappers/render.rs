@@ -65,7 +65,8 @@ impl<E: Env> Render<E> {
             RenderMode::Ansi | RenderMode::DepthArray => None,
             _ => Some(painter().ok_or_else(|| {
                 unsupported(
-                    "no crate that draws is linked: add gym-render and `use gym_render as _;`"
+                    "no crate that draws is linked: turn on the feature `render` of rust-gym, or add \
+                     gym-render and `use gym_render as _;`"
                         .into(),
                 )
             })?),
@@ -73,8 +74,8 @@ impl<E: Env> Render<E> {
         let window = match mode {
             RenderMode::Human if open_screen().is_none() => {
                 return Err(unsupported(
-                    "no crate that opens a window is linked: add gym-render with the feature `human` and \
-                     `use gym_render as _;`"
+                    "no crate that opens a window is linked: turn on the feature `human` of rust-gym, or \
+                     add gym-render with the feature `human` and `use gym_render as _;`"
                         .into(),
                 ));
             }

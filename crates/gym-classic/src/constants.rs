@@ -18,7 +18,8 @@ pub(crate) fn divisors<const N: usize>(env: &str, constants: [(&str, f64); N]) -
     for (name, value) in constants {
         if value.abs() < 1.0 / LIMIT {
             let least = 1.0 / LIMIT;
-            let reason = format!("{name} is {value:?}: it must be at least {least:?}");
+            let reason =
+                format!("{name} is {value:?}: its absolute value must be at least {least:?}");
             return Err(Error::argument(env, reason));
         }
     }

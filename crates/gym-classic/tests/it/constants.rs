@@ -232,6 +232,12 @@ fn constants_that_cannot_be_are_refused() {
         ("Acrobot-v1", "MAX_VEL_1", -1.0, "MAX_VEL_1 is -1.0"),
         ("Acrobot-v1", "gravity", 9.8, "unknown argument `gravity`"),
         (
+            "CartPole-v1",
+            "length",
+            -1e-7,
+            "length is -1e-7: its absolute value must be at least 1e-6",
+        ),
+        (
             "Acrobot-v1",
             "LINK_LENGTH_2",
             -0.2,

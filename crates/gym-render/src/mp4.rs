@@ -1,9 +1,11 @@
 //! MP4, written by the program `ffmpeg`, which receives raw frames through a pipe.
 
+use std::fs;
 use std::io::{self, Read, Write};
-use std::process::{Child, Command, Stdio};
+use std::process::{Child, Command, Output, Stdio};
 
 use crate::file::AtomicFile;
+use gym_core::printable;
 use gym_core::render::Frame;
 
 const PROGRAM: &str = "ffmpeg";
@@ -30,21 +32,36 @@ impl Drop for Ffmpeg {
 /// H.264's limit of width and height in `libx264`.
 pub(crate) const MAX_SIDE: u32 = 16_384;
 
-/// Returns an error if `ffmpeg` is missing.
-pub(crate) fn available() -> Result<(), &'static str> {
-    let [stdin, stdout, stderr] = std::array::from_fn(|_| Stdio::null());
-    match Command::new(PROGRAM)
+/// Returns an error if `ffmpeg` is missing or fails.
+pub(crate) fn available() -> Result<(), String> {
+    let output = Command::new(PROGRAM)
         .arg("-version")
-        .stdin(stdin)
-        .stdout(stdout)
-        .stderr(stderr)
-        .status()
-    {
-        Ok(status) if status.success() => Ok(()),
-        _ => Err(
-            "MP4 is written by the program `ffmpeg`, which was not found: install it, or choose a \
-             name that ends in .gif or .png",
+        .stdin(Stdio::null())
+        .stdout(Stdio::null())
+        .output();
+    let what = match output {
+        Ok(output) if output.status.success() => return Ok(()),
+        Ok(output) => format!(
+            "fails (`ffmpeg -version` gives {}): repair it",
+            failure(&output)
         ),
+        Err(error) if error.kind() == io::ErrorKind::NotFound => {
+            "was not found: install it".to_owned()
+        }
+        Err(error) => format!("cannot be run ({error}): repair it"),
+    };
+    Err(format!(
+        "MP4 is written by the program `ffmpeg`, which {what}, or choose a name that ends in .gif \
+         or .png"
+    ))
+}
+
+/// Returns the last line of the errors of a program that failed, or else how it ended.
+fn failure(output: &Output) -> String {
+    let stderr = String::from_utf8_lossy(&output.stderr);
+    match stderr.trim().lines().last() {
+        Some(line) => format!("\"{}\"", printable(line)),
+        None => output.status.to_string(),
     }
 }
 
@@ -108,7 +125,10 @@ impl Mp4 {
             stderr.read_to_string(&mut message)?;
         }
         if self.ffmpeg.0.wait()?.success() {
-            return Ok(());
+            if fs::metadata(self.file.temporary_path())?.len() > 0 {
+                return Ok(());
+            }
+            return Err(io::Error::other("`ffmpeg` ended early and wrote nothing"));
         }
         let is_full = message.contains("No space left on device");
         let kind = if is_full {

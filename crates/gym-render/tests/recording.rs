@@ -528,6 +528,73 @@ fn mp4_needs_ffmpeg_and_says_so() {
 
 const FOLDER: &str = "GYM_RENDER_TEST_FOLDER";
 
+/// The programs under the name `ffmpeg`, each with words of the error.
+#[cfg(unix)]
+const BROKEN: [(&str, &str); 4] = [
+    (
+        "exit 3",
+        "fails (`ffmpeg -version` gives exit status: 3): repair it",
+    ),
+    (
+        "echo no library >&2; exit 127",
+        "fails (`ffmpeg -version` gives \"no library\"): repair it",
+    ),
+    (
+        "[ \"$1\" = -version ] || cat > /dev/null",
+        "`ffmpeg` ended early and wrote nothing",
+    ),
+    ("exit 0", "`ffmpeg` ended early and wrote nothing"),
+];
+
+/// The program that writes a video with the broken programs, which the next test puts into the
+/// search path; does nothing unless that test starts it.
+#[cfg(unix)]
+#[test]
+fn recording_with_broken_programs() {
+    use std::os::unix::fs::PermissionsExt;
+
+    let Some(folder) = std::env::var_os(FOLDER) else {
+        return;
+    };
+    let folder = Path::new(&folder);
+    let (program, video) = (folder.join("bin/ffmpeg"), folder.join("videos/a.mp4"));
+    let mut env = RenderCollection::new(drawn());
+    play(&mut env, 2);
+    let frames = env.render().unwrap().into_frames().unwrap();
+    for (script, words) in BROKEN {
+        fs::write(&program, format!("#!/bin/sh\n{script}\n")).unwrap();
+        fs::set_permissions(&program, fs::Permissions::from_mode(0o755)).unwrap();
+        fs::write(&video, "old").unwrap();
+        let error = write_video(&video, 10, &frames).unwrap_err().to_string();
+        assert!(error.contains(words), "{script}: {error}");
+        assert!(!error.contains("install"), "{script}: {error}");
+        assert_eq!(fs::read(&video).unwrap(), b"old", "{script}");
+        assert_eq!(names(&folder.join("videos")), ["a.mp4"], "{script}");
+    }
+    fs::write(folder.join("done"), "").unwrap();
+}
+
+#[cfg(unix)]
+#[test]
+fn a_broken_ffmpeg_is_an_error_and_replaces_no_video() {
+    let folder = TempDir::new().unwrap();
+    for name in ["bin", "videos"] {
+        fs::create_dir(folder.path().join(name)).unwrap();
+    }
+    let mut path = folder.path().join("bin").into_os_string();
+    path.push(":");
+    path.push(std::env::var_os("PATH").unwrap());
+    let output = Command::new(std::env::current_exe().unwrap())
+        .args(["--exact", "recording_with_broken_programs"])
+        .env(FOLDER, folder.path())
+        .env("PATH", path)
+        .output()
+        .unwrap();
+    let said = String::from_utf8_lossy(&output.stdout);
+    assert!(output.status.success(), "{said}");
+    assert!(folder.path().join("done").exists(), "{said}");
+}
+
 /// Records until it is killed; does nothing unless the next test starts it.
 #[test]
 fn endless_recording() {

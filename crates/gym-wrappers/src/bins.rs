@@ -10,7 +10,7 @@ use crate::within::expect_box;
 
 /// The number of bins for each element of a `Box`.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(untagged)]
+#[serde(untagged, expecting = "expected a number of bins, or a list of them")]
 pub enum Bins {
     /// The same number for each element.
     All(u32),

@@ -76,7 +76,10 @@ impl Bound {
 
 /// The form in JSON.
 #[derive(Serialize, Deserialize)]
-#[serde(untagged)]
+#[serde(
+    untagged,
+    expecting = "expected a number, \"inf\", \"-inf\", or a list of them"
+)]
 enum Nested {
     Number(f64),
     Infinity(Infinity),

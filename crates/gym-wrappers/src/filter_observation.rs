@@ -23,7 +23,10 @@ gym_core::arguments! {
 
 /// The members that [`FilterObservation`] keeps.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(untagged)]
+#[serde(
+    untagged,
+    expecting = "expected a list of names, or a list of indices from 0"
+)]
 pub enum FilterKeys {
     /// Keys of a `Dict`.
     Names(Vec<String>),

@@ -55,7 +55,10 @@ impl<D: Into<Duration>> From<(f64, D)> for Config {
 
 /// One number, or the two ends of a range.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(untagged)]
+#[serde(
+    untagged,
+    expecting = "expected a number of steps, or a list of the least and the most"
+)]
 pub enum Duration {
     /// Always this number of steps.
     Steps(u32),

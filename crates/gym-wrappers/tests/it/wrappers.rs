@@ -6,13 +6,14 @@ use gym_core::spaces::{
 };
 use gym_core::vector::{Autoreset, SyncVectorEnv};
 use gym_core::{
-    Array, DType, Data, Env, EnvExt, Generator, GraphInstance, Outcome, Reset, Result, Space,
-    Value, VectorEnv, VectorEnvExt,
+    Array, BoxEnv, DType, Data, Env, EnvExt, Generator, GraphInstance, Outcome, Reset, Result,
+    Space, Value, VectorEnv, VectorEnvExt, WrapperSpec,
 };
 use gym_wrappers::{
     FrameStackObservation, NormalizeObservation, NormalizeReward, RunningMeanStd, StickyAction,
     TransformObservation, VectorWrap, Wrap, frame_stack_observation, normalize_observation,
 };
+use serde_json::json;
 
 /// An environment that returns given observations and rewards, one after the other. The last
 /// observation ends the episode.
@@ -437,5 +438,39 @@ fn stacks_are_padded_to_their_size() {
                 }
             }
         }
+    }
+}
+
+/// An argument of several types says which they are.
+#[test]
+fn arguments_of_another_type_are_refused_with_the_types() {
+    for (name, kwargs, words) in [
+        (
+            "FilterObservation",
+            json!({"filter_keys": [-1]}),
+            "a list of indices from 0",
+        ),
+        (
+            "DiscretizeAction",
+            json!({"bins": -1}),
+            "a number of bins, or a list",
+        ),
+        (
+            "ClipReward",
+            json!({"max_reward": "much"}),
+            "expected a number",
+        ),
+        (
+            "StickyAction",
+            json!({"repeat_action_probability": 0.5, "repeat_action_duration": [1]}),
+            "a list of the least and the most",
+        ),
+    ] {
+        let spec = WrapperSpec {
+            name: name.into(),
+            kwargs: kwargs.as_object().unwrap().clone(),
+        };
+        let error = spec.wrap(BoxEnv::new(counter())).unwrap_err().to_string();
+        assert!(error.contains(words), "{name}: {error}");
     }
 }

@@ -29,8 +29,12 @@ pub(crate) fn conform(arguments: &Arguments, workspace: &Workspace) -> Result<Ex
     use std::env;
     use std::process::Command;
 
-    use gym::Error;
+    use gym::{Error, registry};
 
+    // these ids are linked in both builds
+    for id in &arguments.ids {
+        registry::find(id)?;
+    }
     // use another profile than this program's, because some systems cannot replace a running file
     let mut cargo = Command::new(env::var_os("CARGO").unwrap_or_else(|| "cargo".into()));
     cargo
@@ -91,5 +95,27 @@ pub(crate) fn conform(arguments: &Arguments, workspace: &Workspace) -> Result<Ex
         broken => Err(Error::custom(format!(
             "{broken} environments break the rules"
         ))),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::path::Path;
+
+    use super::*;
+
+    /// No build begins for an id that is not registered: without a package in the folder, a build
+    /// would fail with an exit code and not with this error.
+    #[test]
+    fn an_unknown_id_is_an_error_before_the_build() {
+        let arguments = Arguments {
+            ids: vec!["Nope-v1".to_owned()],
+            sample: false,
+            changed_since: None,
+            format: "text".to_owned(),
+        };
+        let workspace = Workspace::of(Path::new("no_such_folder"));
+        let error = conform(&arguments, &workspace).unwrap_err().to_string();
+        assert!(error.contains("Nope"), "{error}");
     }
 }

@@ -19,11 +19,12 @@ pub(crate) enum Policy {
 #[derive(Clone, Debug, Serialize)]
 pub(crate) struct Episode {
     pub(crate) seed: u64,
-    #[serde(rename = "return")]
+    #[serde(rename = "return", serialize_with = "number")]
     pub(crate) episode_return: f64,
     pub(crate) length: u64,
     pub(crate) terminated: bool,
     pub(crate) truncated: bool,
+    #[serde(serialize_with = "number")]
     pub(crate) last_reward: f64,
     #[serde(serialize_with = "plain")]
     pub(crate) last_observation: Value,
@@ -32,6 +33,11 @@ pub(crate) struct Episode {
 /// Serializes a value as JSON, without its type.
 fn plain<S: Serializer>(value: &Value, serializer: S) -> std::result::Result<S::Ok, S::Error> {
     value.to_json().serialize(serializer)
+}
+
+/// Serializes a number as JSON; infinities and NaN are texts, as in an observation.
+fn number<S: Serializer>(x: &f64, serializer: S) -> std::result::Result<S::Ok, S::Error> {
+    plain(&Value::Float(*x), serializer)
 }
 
 impl Policy {
@@ -107,5 +113,45 @@ impl Policy {
             watch(env)?;
         }
         Ok(episode)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use serde_json::json;
+
+    use super::*;
+
+    #[test]
+    fn a_result_keeps_numbers_that_json_lacks() {
+        let episode = Episode {
+            seed: 7,
+            episode_return: f64::INFINITY,
+            length: 2,
+            terminated: true,
+            truncated: false,
+            last_reward: f64::NEG_INFINITY,
+            last_observation: Value::from([0.5, f64::NAN]),
+        };
+        let expected = json!({
+            "seed": 7,
+            "return": "inf",
+            "length": 2,
+            "terminated": true,
+            "truncated": false,
+            "last_reward": "-inf",
+            "last_observation": [0.5, "NaN"],
+        });
+        assert_eq!(serde_json::to_value(&episode).unwrap(), expected);
+        let finite = Episode {
+            episode_return: 1.5,
+            last_reward: 1.0,
+            ..episode
+        };
+        let json = serde_json::to_value(&finite).unwrap();
+        assert_eq!(
+            (&json["return"], &json["last_reward"]),
+            (&json!(1.5), &json!(1.0))
+        );
     }
 }

@@ -511,11 +511,11 @@ fn arguments_of_an_environment_are_taken_as_they_stand_or_refused() {
         ),
         (
             r#"{"length": 5e-324}"#,
-            "length is 5e-324: it must be at least 1e-6",
+            "length is 5e-324: its absolute value must be at least 1e-6",
         ),
         (
             r#"{"length": 0}"#,
-            "length is 0.0: it must be at least 1e-6",
+            "length is 0.0: its absolute value must be at least 1e-6",
         ),
     ] {
         let error = fails(&["run", "CartPole-v1", "--kwargs", kwargs]);

@@ -1,7 +1,9 @@
-use gym_core::{Env, Outcome, Reset, Result, Snapshot, Space};
+use gym_core::registry::NoArguments;
+use gym_core::render::{Metadata, RenderMode};
+use gym_core::{Configure, Env, Outcome, Reset, Result, Snapshot, Space};
 
 /// An environment that counts its steps. The action is the reward, and the action 9 terminates the
-/// episode.
+/// episode. The count is its text mode.
 #[derive(Clone, Debug, Default)]
 pub struct Count(i64);
 
@@ -39,5 +41,24 @@ impl Env for Count {
 
     fn restore(&mut self, snapshot: &Snapshot) -> Result<()> {
         snapshot.get().map(|count| self.0 = count)
+    }
+
+    fn metadata(&self) -> Metadata {
+        Metadata {
+            render_modes: &[RenderMode::Ansi],
+            ..Metadata::default()
+        }
+    }
+
+    fn ansi(&self) -> Option<String> {
+        Some(self.0.to_string())
+    }
+}
+
+impl Configure for Count {
+    type Config = NoArguments;
+
+    fn configure(_: NoArguments, _: u32) -> Result<Self> {
+        Ok(Self::default())
     }
 }

@@ -4,6 +4,7 @@ use std::fmt::Display;
 
 use super::features;
 use crate::error::ensure;
+use crate::mjcf::MOST;
 use crate::model::{CompiledModel, GeomType, JointType};
 use crate::{Error, Model, Result};
 
@@ -31,6 +32,7 @@ impl TryFrom<CompiledModel> for Model {
 
 /// Checks lengths, ids, order and ranges of everything that the engine reads.
 pub(super) fn check(m: &CompiledModel) -> Result<()> {
+    counts(m)?;
     lengths(m)?;
     bodies(m)?;
     joints(m)?;
@@ -56,6 +58,30 @@ fn same_length(expected: usize, arrays: &[(&str, usize)]) -> Result<()> {
         ensure!(
             *length == expected,
             "{name} has {length} elements, expected {expected}"
+        );
+    }
+    Ok(())
+}
+
+/// Refuses more than [`MOST`] objects of a kind: the engine allocates products of these numbers.
+fn counts(m: &CompiledModel) -> Result<()> {
+    for (kind, count) in [
+        ("bodies", m.nbody()),
+        ("geoms", m.ngeom()),
+        ("joints", m.njnt()),
+        ("degrees of freedom", m.nv()),
+        ("actuators", m.nu()),
+        ("tendons", m.ntendon()),
+        ("parts of tendons", m.wrap_objid.len()),
+        ("equality constraints", m.neq()),
+        ("sensors", m.nsensor()),
+        ("pairs", m.pair_dim.len()),
+        ("excludes", m.exclude_signature.len()),
+        ("keyframes", m.key_time.len()),
+    ] {
+        ensure!(
+            count <= MOST,
+            "{count} {kind}: more than {MOST} are not supported"
         );
     }
     Ok(())
@@ -133,7 +159,7 @@ fn bodies(m: &CompiledModel) -> Result<()> {
         m.body_parentid[0] == 0 && m.body_jntnum[0] == 0 && m.body_dofnum[0] == 0,
         "body 0 must be the world"
     );
-    let mut next = [0; 3];
+    let (mut next, mut mocaps) = ([0; 3], 0);
     for b in 0..m.nbody() {
         let parent = m.body_parentid[b];
         ensure!(
@@ -148,6 +174,10 @@ fn bodies(m: &CompiledModel) -> Result<()> {
             !mocap || (b > 0 && parent == 0 && m.body_jntnum[b] == 0),
             "body {b} is a mocap body, but not a child of the world without joints"
         );
+        if mocap {
+            same("body_mocapid", b, m.body_mocapid[b], mocaps)?;
+            mocaps += 1;
+        }
         let weld = inherited(b == 0 || mocap || m.body_jntnum[b] > 0, &m.body_weldid);
         same("body_weldid", b, m.body_weldid[b], weld)?;
         let parts = [

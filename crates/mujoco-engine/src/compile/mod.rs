@@ -34,7 +34,6 @@ use std::collections::HashSet;
 
 use self::constants::{mark_simple, with_constants};
 use self::inertia::MINVAL;
-use crate::mjcf::MOST;
 use crate::mjcf::orientation::{IDENTITY, turned, within};
 use crate::mjcf::spec::{Spec, Statistic};
 use crate::mjcf::xml::Place;
@@ -49,7 +48,6 @@ pub(super) fn compile(spec: &Spec) -> Result<Box<CompiledModel>> {
         opt: spec.option.clone(),
         ..CompiledModel::default()
     });
-    check_counts(spec)?;
     for (id, body) in spec.bodies.iter().enumerate() {
         body::add_body(&mut m, spec, id, body)?;
     }
@@ -172,31 +170,6 @@ fn add_looks(m: &mut CompiledModel, spec: &Spec) -> Result<()> {
     let colors = spec.materials.iter().map(|material| material.rgba);
     m.mat_rgba = colors.map(geom::single).collect();
     Ok(())
-}
-
-/// Refuses more than [`MOST`] objects of a kind: look-ups by name would take too long.
-fn check_counts(spec: &Spec) -> Result<()> {
-    let sections = [
-        ("materials", spec.materials.len()),
-        ("excludes", spec.excludes.len()),
-        ("pairs", spec.pairs.len()),
-        ("equalities", spec.equalities.len()),
-        ("tendons", spec.tendons.len()),
-        ("actuators", spec.actuators.len()),
-        ("sensors", spec.sensors.len()),
-        ("keys", spec.keys.len()),
-        (
-            "parts of tendons",
-            spec.tendons.iter().map(|tendon| tendon.wraps.len()).sum(),
-        ),
-    ];
-    match sections.iter().find(|(_, count)| *count > MOST) {
-        Some((kind, count)) => {
-            let reason = format!("{count} {kind}: more than {MOST} are not supported");
-            Err(spec.bodies[0].place.error(reason))
-        }
-        None => Ok(()),
-    }
 }
 
 /// Refuses two objects of a kind under one name.

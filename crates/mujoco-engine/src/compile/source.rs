@@ -26,7 +26,9 @@ impl Model {
     /// `custom`, `user`, `group`, textures and skins are ignored. A mesh without mass and contacts is a
     /// geom without size, and its file is not read. The position of such a geom is its frame, not the
     /// centre of the mesh as in MuJoCo. Meshes with mass or contacts, height fields as geoms,
-    /// composites, flexes and plugins are errors.
+    /// composites, flexes and plugins are errors, and so are more than 1000 objects of a kind (sites:
+    /// 200,000 elements together) and more than 8 MiB of names, both with the copies that `replicate`
+    /// makes.
     ///
     /// # Errors
     /// [`Error::Mjcf`] for text that is not XML, for anything outside the supported part of MJCF,

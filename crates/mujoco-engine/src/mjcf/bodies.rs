@@ -1,5 +1,7 @@
 //! The tree of bodies: their parts, frames and copies.
 
+use std::rc::Rc;
+
 use super::MOST;
 use super::defaults::Classes;
 use super::orientation::{IDENTITY, Orientation, compose, unit, within};
@@ -10,12 +12,35 @@ use crate::math::spatial::{InTurn, Order, add, rotate};
 
 /// The largest number of elements in bodies, with the copies that `replicate` makes.
 const MOST_ELEMENTS: usize = 200_000;
+/// The largest size in bytes of all names of elements in bodies, with the suffixes of copies.
+const MOST_BYTES: usize = 8 << 20;
 
 /// Reads the bodies of the world.
 pub(crate) struct Bodies<'s> {
     spec: &'s mut Spec,
     classes: &'s Classes,
     elements: usize,
+    geoms: usize,
+    joints: usize,
+    bytes: Bytes,
+}
+
+/// The size in bytes of all names so far.
+#[derive(Default)]
+struct Bytes(usize);
+
+impl Bytes {
+    /// Counts a text before it is copied, which is or goes into an attribute of an element.
+    fn add(&mut self, count: usize, element: &Element<'_, '_>, attribute: &str) -> Result<()> {
+        self.0 = self.0.saturating_add(count);
+        if self.0 > MOST_BYTES {
+            let reason = format!(
+                "the names of all elements, with their copies, have more than {MOST_BYTES} bytes: use shorter names or fewer copies"
+            );
+            return Err(element.place().attribute(attribute, reason));
+        }
+        Ok(())
+    }
 }
 
 /// A `body`, `frame` or `replicate` whose child elements are being read.
@@ -29,7 +54,7 @@ struct Open<'a, 'input> {
     /// The frame that positions of child elements refer to.
     frame: Option<Frame>,
     /// The suffix of names, with the number of the copy.
-    suffix: String,
+    suffix: Rc<str>,
     copies: Option<Copies>,
 }
 
@@ -45,7 +70,7 @@ struct Copies {
     turn: [f64; 4],
     step: [f64; 4],
     /// The frame and the suffix of the parent of the `replicate`.
-    outer: (Option<Frame>, String),
+    outer: (Option<Frame>, Rc<str>),
 }
 
 impl<'a, 'input> Open<'a, 'input> {
@@ -56,7 +81,7 @@ impl<'a, 'input> Open<'a, 'input> {
             id,
             class,
             frame: None,
-            suffix: String::new(),
+            suffix: Rc::default(),
             copies: None,
         })
     }
@@ -68,6 +93,9 @@ impl<'s> Bodies<'s> {
             spec,
             classes,
             elements: 0,
+            geoms: 0,
+            joints: 0,
+            bytes: Bytes::default(),
         }
     }
 
@@ -124,7 +152,7 @@ impl<'s> Bodies<'s> {
     ) -> Result<Open<'a, 'input>> {
         let mut body = Body {
             place: element.place(),
-            name: named(&mut element, around),
+            name: self.named(&mut element, around)?,
             parent: around.id,
             frame: around.frame,
             ..Body::default()
@@ -143,7 +171,7 @@ impl<'s> Bodies<'s> {
             return Err(element.error(format!("more than {MOST} bodies are not supported")));
         }
         let mut open = Open::new(element, self.spec.bodies.len() - 1, class)?;
-        open.suffix.clone_from(&around.suffix);
+        open.suffix = around.suffix.clone();
         Ok(open)
     }
 
@@ -164,7 +192,7 @@ impl<'s> Bodies<'s> {
         element.ignore("name");
         let mut open = Open::new(element, around.id, class)?;
         open.frame = Some((pos, unit(quat).0));
-        open.suffix.clone_from(&around.suffix);
+        open.suffix = around.suffix.clone();
         Ok(open)
     }
 
@@ -187,7 +215,7 @@ impl<'s> Bodies<'s> {
         let class = self
             .classes
             .named(&mut element, "childclass", around.class)?;
-        let separator = element.text("sep").unwrap_or_default();
+        let separator = element.text("sep")?.unwrap_or_default();
         let mut open = Open::new(element, around.id, class)?;
         open.children = Vec::new().into_iter();
         open.copies = Some(Copies {
@@ -205,7 +233,7 @@ impl<'s> Bodies<'s> {
     }
 
     /// Begins the next copy; returns whether there is one.
-    fn next_copy(&self, open: &mut Open<'_, '_>) -> Result<bool> {
+    fn next_copy(&mut self, open: &mut Open<'_, '_>) -> Result<bool> {
         let Some(copies) = &mut open.copies else {
             return Ok(false);
         };
@@ -224,9 +252,25 @@ impl<'s> Bodies<'s> {
         copies.turn = compose(copies.turn, copies.step);
         let digits = copies.count.to_string().len();
         let (separator, outer) = (&copies.separator, &copies.outer.1);
-        open.suffix = format!("{separator}{number:0digits$}{outer}");
+        let length = separator.len() + digits + outer.len();
+        self.bytes.add(length, &open.element, "sep")?;
+        open.suffix = format!("{separator}{number:0digits$}{outer}").into();
         open.children = open.element.children()?.into_iter();
         Ok(true)
+    }
+
+    /// The name of an element, with the suffix of its copy.
+    fn named(
+        &mut self,
+        element: &mut Element<'_, '_>,
+        around: &Open<'_, '_>,
+    ) -> Result<Option<String>> {
+        let Some(name) = element.text("name")? else {
+            return Ok(None);
+        };
+        let length = name.len() + around.suffix.len();
+        self.bytes.add(length, element, "name")?;
+        Ok(Some(name + &around.suffix))
     }
 
     /// Reads an element of a body that contains no bodies.
@@ -254,22 +298,35 @@ impl<'s> Bodies<'s> {
             _ => self.classes.named(&mut child, "class", around.class)?,
         };
         let class = self.classes.get(class);
+        let name = match child.name() {
+            "inertial" => None,
+            _ => self.named(&mut child, around)?,
+        };
+        match child.name() {
+            "geom" => self.geoms += 1,
+            "joint" | "freejoint" => self.joints += 1,
+            _ => {}
+        }
+        if self.geoms.max(self.joints) > MOST {
+            let reason =
+                format!("more than {MOST} bodies, geoms or degrees of freedom are not supported");
+            return Err(child.error(reason));
+        }
         let parts = &mut self.spec.bodies[id];
         match child.name() {
             "geom" => {
                 let mut geom = class.geom.clone();
-                (geom.name, geom.frame) = (named(&mut child, around), frame);
+                (geom.name, geom.frame) = (name, frame);
                 geom.read(&mut child)?;
                 parts.geoms.push(geom);
             }
             "joint" => {
                 let mut joint = class.joint.clone();
-                (joint.name, joint.frame) = (named(&mut child, around), frame);
+                (joint.name, joint.frame) = (name, frame);
                 joint.read(&mut child)?;
                 parts.joints.push(joint);
             }
             "freejoint" => {
-                let name = named(&mut child, around);
                 let joint = Joint::read_free(child)?;
                 parts.joints.push(Joint { name, ..joint });
                 return Ok(());
@@ -283,29 +340,25 @@ impl<'s> Bodies<'s> {
             }
             "site" => {
                 let mut site = class.site.clone();
-                (site.name, site.frame) = (named(&mut child, around), frame);
+                (site.name, site.frame) = (name, frame);
                 site.read(&mut child)?;
                 parts.sites.push(site);
             }
             "camera" => {
                 let mut camera = class.camera.clone();
-                (camera.name, camera.frame) = (named(&mut child, around), frame);
+                (camera.name, camera.frame) = (name, frame);
                 camera.read(&mut child)?;
+                let target = camera.target.as_ref().map_or(0, String::len);
+                self.bytes.add(target, &child, "target")?;
                 parts.cameras.push(camera);
             }
             _ => {
                 let mut light = class.light.clone();
-                (light.name, light.frame) = (named(&mut child, around), frame);
+                (light.name, light.frame) = (name, frame);
                 light.read(&mut child)?;
                 parts.lights.push(light);
             }
         }
         child.finish_without_children()
     }
-}
-
-/// The name of an element, with the suffix of its copy.
-fn named(element: &mut Element<'_, '_>, around: &Open<'_, '_>) -> Option<String> {
-    let name = element.text("name")?;
-    Some(name + &around.suffix)
 }

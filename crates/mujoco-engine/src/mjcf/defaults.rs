@@ -1,5 +1,7 @@
 //! Classes of default values.
 
+use std::collections::BTreeMap;
+
 use super::MOST;
 use super::spec::{
     ACTUATORS, Actuator, Camera, Equality, Geom, Joint, Light, Material, Pair, Site, Tendon,
@@ -26,23 +28,30 @@ pub(crate) struct Class {
 
 /// All classes; the first applies to elements without a class.
 #[derive(Debug)]
-pub(crate) struct Classes(Vec<Class>);
+pub(crate) struct Classes {
+    all: Vec<Class>,
+    numbers: BTreeMap<String, usize>,
+}
 
 const MAIN: &str = "main";
 
 impl Default for Classes {
     fn default() -> Self {
-        Self(vec![Class {
+        let main = Class {
             name: MAIN.to_owned(),
             ..Class::default()
-        }])
+        };
+        Self {
+            all: vec![main],
+            numbers: BTreeMap::from([(MAIN.to_owned(), 0)]),
+        }
     }
 }
 
 impl Classes {
     /// Reads a `default` section, which changes the classes for the elements after the section.
     pub(crate) fn read(&mut self, mut section: Element<'_, '_>, revision: Revision) -> Result<()> {
-        match section.text("class") {
+        match section.text("class")? {
             Some(name) if name != MAIN => Err(section.place().attribute(
                 "class",
                 format!("the outermost class is {MAIN:?}, not {name:?}"),
@@ -69,19 +78,20 @@ impl Classes {
     /// Adds a subclass of `parent`.
     fn add(&mut self, section: &mut Element<'_, '_>, parent: usize) -> Result<usize> {
         let name = section.required_text("class")?;
-        if self.0.iter().any(|class| class.name == name) {
+        if self.numbers.contains_key(&name) {
             let reason = format!("there is a class {name:?} already");
             return Err(section.place().attribute("class", reason));
         }
-        if self.0.len() == MOST {
+        if self.all.len() == MOST {
             return Err(section.error(format!("more than {MOST} classes are not supported")));
         }
-        self.0.push(Class {
+        self.numbers.insert(name.clone(), self.all.len());
+        self.all.push(Class {
             name,
             parent: Some(parent),
-            ..self.0[parent].clone()
+            ..self.all[parent].clone()
         });
-        Ok(self.0.len() - 1)
+        Ok(self.all.len() - 1)
     }
 
     /// Reads the values that a class changes; returns the elements of its subclasses.
@@ -94,7 +104,7 @@ impl Classes {
         let children = section.children()?.into_iter();
         let (within, own): (Vec<_>, Vec<_>) = children.partition(|child| child.name() == "default");
         for mut child in own {
-            let values = &mut self.0[class];
+            let values = &mut self.all[class];
             match child.name() {
                 "joint" => values.joint.read(&mut child)?,
                 "geom" => values.geom.read(&mut child)?,
@@ -110,7 +120,7 @@ impl Classes {
                 name if ACTUATORS.contains(&name) => {
                     let mut actuator = self.actuator(class, name, revision);
                     actuator.read(&mut child)?;
-                    self.0[class].actuator = actuator;
+                    self.all[class].actuator = actuator;
                 }
                 _ => {
                     let mut known = vec!["joint", "geom", "site", "camera", "light", "material"];
@@ -132,30 +142,27 @@ impl Classes {
         attribute: &'static str,
         inherited: usize,
     ) -> Result<usize> {
-        let Some(name) = element.text(attribute) else {
+        let Some(name) = element.text(attribute)? else {
             return Ok(inherited);
         };
-        self.0
-            .iter()
-            .position(|class| class.name == name)
-            .ok_or_else(|| {
-                let names: Vec<&str> = self.0.iter().map(|class| &*class.name).collect();
-                let reason = format!(
-                    "there is no class {name:?}: the classes are {}",
-                    names.join(", ")
-                );
-                element.place().attribute(attribute, reason)
-            })
+        self.numbers.get(&name).copied().ok_or_else(|| {
+            let names: Vec<&str> = self.all.iter().map(|class| &*class.name).collect();
+            let reason = format!(
+                "there is no class {name:?}: the classes are {}",
+                names.join(", ")
+            );
+            element.place().attribute(attribute, reason)
+        })
     }
 
     /// The initial values of the actuator element `kind` of a class. In 4.0, its parameters are those
     /// of the nearest class, from this one outwards, that was set by an element of the same kind or
     /// by a fitting `general`; in 3.12 an element takes the parameters of every other kind.
     pub(crate) fn actuator(&self, class: usize, kind: &str, revision: Revision) -> Actuator {
-        let mut actuator = self.0[class].actuator.clone();
+        let mut actuator = self.all[class].actuator.clone();
         if revision == Revision::V4_0 && kind != "general" {
-            let outwards = std::iter::successors(Some(class), |&class| self.0[class].parent);
-            let mut classes = outwards.map(|class| &self.0[class].actuator);
+            let outwards = std::iter::successors(Some(class), |&class| self.all[class].parent);
+            let mut classes = outwards.map(|class| &self.all[class].actuator);
             let fitting = classes.find(|actuator| actuator.fits(kind));
             actuator.take(kind, fitting.unwrap_or(&Actuator::default()));
         }
@@ -164,11 +171,11 @@ impl Classes {
 
     /// The class that the attribute `class` names; the first class without the attribute.
     pub(crate) fn of(&self, element: &mut Element<'_, '_>) -> Result<&Class> {
-        Ok(&self.0[self.named(element, "class", 0)?])
+        Ok(&self.all[self.named(element, "class", 0)?])
     }
 
     /// A class by its number.
     pub(crate) fn get(&self, class: usize) -> &Class {
-        &self.0[class]
+        &self.all[class]
     }
 }

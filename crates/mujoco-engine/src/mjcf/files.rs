@@ -1,13 +1,15 @@
 //! The text of a model and those that it includes.
 
+use std::cell::Cell;
 use std::collections::BTreeMap;
 use std::fs::File;
 use std::io::Read;
 use std::path::{Path, PathBuf};
+use std::rc::Rc;
 
 use roxmltree::{Document, Node, ParsingOptions};
 
-use super::xml::{Lines, Place};
+use super::xml::{Lines, MAX_VISITS, Place};
 use crate::{Error, Result};
 
 /// The largest size in bytes of a file, and of all files of a model together.
@@ -25,7 +27,7 @@ const MAX_FILES: usize = 100;
 #[derive(Debug, Default)]
 pub(crate) struct Texts {
     /// The name of each file, for errors (empty for the model itself), and its text.
-    texts: Vec<(String, String)>,
+    texts: Vec<(Rc<str>, String)>,
     /// The text that each element `include` names, by the number of its own text and its position
     /// there.
     included: BTreeMap<(usize, usize), usize>,
@@ -47,7 +49,7 @@ impl Texts {
         let folder_of = |path: &Path| path.parent().unwrap_or(Path::new("")).to_owned();
         let folder = path.map(folder_of);
         let mut all = Self {
-            texts: vec![(String::new(), text)],
+            texts: vec![(Rc::default(), text)],
             ..Self::default()
         };
         let mut paths: Vec<PathBuf> = path.map(Path::to_owned).into_iter().collect();
@@ -83,7 +85,7 @@ impl Texts {
                 }
                 paths.push(path.clone());
                 all.included.insert((next, position), all.texts.len());
-                all.texts.push((path.display().to_string(), text));
+                all.texts.push((path.display().to_string().into(), text));
             }
             next += 1;
         }
@@ -101,7 +103,7 @@ impl Texts {
         let includes = elements.filter(|node| node.is_element() && node.has_tag_name("include"));
         includes
             .map(|node| {
-                let place = Place::new(name, lines.at(node.range().start), "include");
+                let place = Place::new(name.clone(), lines.at(node.range().start), "include");
                 if node.children().any(|child| child.is_element()) {
                     return Err(place.error("it has no elements within"));
                 }
@@ -121,6 +123,7 @@ impl Texts {
         let mut files = Files {
             files: Vec::new(),
             included: &self.included,
+            visits: Cell::new(0),
         };
         for (name, text) in &self.texts {
             let (document, lines) = (parse(name, text)?, Lines::of(text));
@@ -187,8 +190,10 @@ fn check_tags(text: &str) -> std::result::Result<(), (u32, String)> {
 
 /// Parsed texts.
 pub(crate) struct Files<'input> {
-    files: Vec<(&'input str, Document<'input>, Lines)>,
+    files: Vec<(&'input Rc<str>, Document<'input>, Lines)>,
     included: &'input BTreeMap<(usize, usize), usize>,
+    /// The number of visits of nodes.
+    visits: Cell<usize>,
 }
 
 impl<'input> Files<'input> {
@@ -198,8 +203,14 @@ impl<'input> Files<'input> {
     }
 
     /// The name of a file; empty for the model itself.
-    pub(crate) fn name(&self, file: usize) -> &str {
+    pub(crate) fn name(&self, file: usize) -> &Rc<str> {
         self.files[file].0
+    }
+
+    /// Counts the visit of a node; returns whether there may be as many.
+    pub(crate) fn visit(&self) -> bool {
+        self.visits.set(self.visits.get() + 1);
+        self.visits.get() <= MAX_VISITS
     }
 
     /// The line of a position in a file.

@@ -1,9 +1,10 @@
 //! Reads the sections of a model and the tree of its bodies into a [`Spec`].
 
+use super::MOST;
 use super::bodies::Bodies;
 use super::defaults::Classes;
 use super::files::Files;
-use super::spec::{ACTUATORS, Body, EQUALITIES, Exclude, Key, Sensor, Spec, replace};
+use super::spec::{ACTUATORS, Body, EQUALITIES, Exclude, Key, Sensor, Spec, Tendon, replace};
 use super::xml::Element;
 use crate::model::{Cone, Disable, Integrator, SensorType, Solver};
 use crate::{Result, Revision};
@@ -33,7 +34,7 @@ pub(crate) fn read(files: &Files<'_>, revision: Revision) -> Result<Spec> {
         return Err(root.error("not supported: the outermost element is <mujoco>"));
     }
     let mut spec = Spec {
-        name: root.text("model").unwrap_or_default(),
+        name: root.text("model")?.unwrap_or_default(),
         revision,
         ..Spec::default()
     };
@@ -235,6 +236,7 @@ impl Reader<'_> {
                     let mut material = self.classes.of(&mut child)?.material.clone();
                     material.name = child.required_text("name")?;
                     material.read(&mut child)?;
+                    fits(&self.spec.materials, "materials", &child)?;
                     self.spec.materials.push(material);
                 }
                 "mesh" => self.spec.meshes.push(mesh_name(&mut child)?),
@@ -251,10 +253,14 @@ impl Reader<'_> {
     fn read_contact(&mut self, section: Element<'_, '_>) -> Result<()> {
         for mut child in section.children()? {
             match child.name() {
-                "exclude" => self.spec.excludes.push(Exclude::read(child)?),
+                "exclude" => {
+                    fits(&self.spec.excludes, "excludes", &child)?;
+                    self.spec.excludes.push(Exclude::read(child)?);
+                }
                 "pair" => {
+                    fits(&self.spec.pairs, "pairs", &child)?;
                     let mut pair = self.classes.of(&mut child)?.pair.clone();
-                    pair.name = child.text("name");
+                    pair.name = child.text("name")?;
                     pair.read(&mut child)?;
                     child.finish_without_children()?;
                     self.spec.pairs.push(pair);
@@ -272,8 +278,9 @@ impl Reader<'_> {
             else {
                 return Err(section.unsupported(&child, &kinds));
             };
+            fits(&self.spec.equalities, "equalities", &child)?;
             let mut equality = self.classes.of(&mut child)?.equality.clone();
-            equality.name = child.text("name");
+            equality.name = child.text("name")?;
             equality.read(&mut child, *kind, *names)?;
             child.finish_without_children()?;
             self.spec.equalities.push(equality);
@@ -282,14 +289,22 @@ impl Reader<'_> {
     }
 
     fn read_tendons(&mut self, section: Element<'_, '_>) -> Result<()> {
+        let parts = |tendon: &Tendon| tendon.wraps.len();
+        let mut count: usize = self.spec.tendons.iter().map(parts).sum();
         for mut child in section.children()? {
             if !["fixed", "spatial"].contains(&child.name()) {
                 return Err(section.unsupported(&child, &["fixed", "spatial"]));
             }
             let mut tendon = self.classes.of(&mut child)?.tendon.clone();
-            tendon.name = child.text("name");
+            tendon.name = child.text("name")?;
             tendon.read(&mut child)?;
+            fits(&self.spec.tendons, "tendons", &child)?;
             tendon.read_path(&child)?;
+            count += tendon.wraps.len();
+            if count > MOST {
+                let reason = format!("more than {MOST} parts of tendons are not supported");
+                return Err(child.error(reason));
+            }
             child.finish()?;
             self.spec.tendons.push(tendon);
         }
@@ -301,10 +316,11 @@ impl Reader<'_> {
             if !ACTUATORS.contains(&child.name()) {
                 return Err(section.unsupported(&child, &ACTUATORS));
             }
+            fits(&self.spec.actuators, "actuators", &child)?;
             let class = self.classes.named(&mut child, "class", 0)?;
             let revision = self.spec.revision;
             let mut actuator = self.classes.actuator(class, child.name(), revision);
-            actuator.name = child.text("name");
+            actuator.name = child.text("name")?;
             actuator.read(&mut child)?;
             child.finish_without_children()?;
             self.spec.actuators.push(actuator);
@@ -319,6 +335,7 @@ impl Reader<'_> {
                 let known: Vec<&str> = kinds.iter().map(|(name, _)| *name).collect();
                 return Err(section.unsupported(&child, &known));
             };
+            fits(&self.spec.sensors, "sensors", &child)?;
             self.spec.sensors.push(Sensor::read(child, *kind)?);
         }
         section.finish()
@@ -327,7 +344,10 @@ impl Reader<'_> {
     fn read_keys(&mut self, section: Element<'_, '_>) -> Result<()> {
         for child in section.children()? {
             match child.name() {
-                "key" => self.spec.keys.push(Key::read(child)?),
+                "key" => {
+                    fits(&self.spec.keys, "keys", &child)?;
+                    self.spec.keys.push(Key::read(child)?);
+                }
                 _ => return Err(section.unsupported(&child, &["key"])),
             }
         }
@@ -335,14 +355,22 @@ impl Reader<'_> {
     }
 }
 
+/// Refuses another object of a kind after [`MOST`]: look-ups by name would take too long.
+fn fits<T>(objects: &[T], kind: &str, element: &Element<'_, '_>) -> Result<()> {
+    if objects.len() < MOST {
+        return Ok(());
+    }
+    Err(element.error(format!("more than {MOST} {kind} are not supported")))
+}
+
 /// The name of a mesh: its attribute `name`, or that of its file without folder and extension.
 fn mesh_name(mesh: &mut Element<'_, '_>) -> Result<String> {
-    let file = mesh.text("file");
+    let file = mesh.text("file")?;
     let of_file = file.as_deref().and_then(|file| {
         let (_, name) = file.rsplit_once(['/', '\\']).unwrap_or(("", file));
         name.split('.').next()
     });
-    match (mesh.text("name"), of_file) {
+    match (mesh.text("name")?, of_file) {
         (Some(name), _) => Ok(name),
         (None, Some(name)) => Ok(name.to_owned()),
         (None, None) => Err(mesh.missing("name")),

@@ -1,6 +1,8 @@
 //! XML elements. Reading an attribute takes it out of its element, so that unread attributes can be
 //! reported.
 
+use std::rc::Rc;
+
 use roxmltree::{Attribute, Node};
 
 use super::files::Files;
@@ -39,20 +41,25 @@ impl Lines {
 
 /// The largest depth of nested elements.
 const MAX_DEPTH: usize = 200;
+/// The largest length in bytes of an attribute, except of lists of numbers: `replicate` and classes
+/// copy it.
+const MAX_ATTRIBUTE: usize = 1000;
+/// The largest number of nodes that are visited, with the copies that `replicate` makes.
+pub(super) const MAX_VISITS: usize = 20_000_000;
 
 /// The place of an element in the text, for errors that are found after reading.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct Place {
     /// The path of an included file that contains the element; empty for the text itself.
-    file: String,
+    file: Rc<str>,
     line: u32,
     element: String,
 }
 
 impl Place {
     /// An element of a file on a line.
-    pub(crate) fn new(file: &str, line: u32, element: &str) -> Self {
-        let (file, element) = (file.to_owned(), element.to_owned());
+    pub(crate) fn new(file: impl Into<Rc<str>>, line: u32, element: &str) -> Self {
+        let (file, element) = (file.into(), element.to_owned());
         Self {
             file,
             line,
@@ -82,7 +89,7 @@ impl Place {
             return fault;
         }
         Error::File {
-            path: self.file.clone(),
+            path: self.file.to_string(),
             reason: fault.to_string(),
         }
     }
@@ -113,14 +120,15 @@ impl<'a, 'input> Element<'a, 'input> {
 
     /// The place of the element.
     pub(crate) fn place(&self) -> Place {
-        Place::new(self.files.name(self.file), self.line, self.name())
+        Place::new(self.files.name(self.file).clone(), self.line, self.name())
     }
 
     /// Returns the child elements. The child elements of the root element of an included file
     /// replace an `include` element. Texts and comments are ignored.
     ///
     /// # Errors
-    /// For an element of another namespace, and for nesting that is too deep.
+    /// For an element of another namespace, for nesting that is too deep, and for copies with too
+    /// many nodes together.
     pub(crate) fn children(&self) -> Result<Vec<Self>> {
         let mut children = Vec::new();
         self.add_children(self.node, self.file, &mut children)?;
@@ -134,7 +142,16 @@ impl<'a, 'input> Element<'a, 'input> {
         file: usize,
         children: &mut Vec<Self>,
     ) -> Result<()> {
-        for node in parent.children().filter(Node::is_element) {
+        for node in parent.children() {
+            if !self.files.visit() {
+                let reason = format!(
+                    "more than {MAX_VISITS} elements, texts and comments, with all copies, are not supported"
+                );
+                return Err(self.error(reason));
+            }
+            if !node.is_element() {
+                continue;
+            }
             let child = Self::new(node, self.files, file, self.depth + 1);
             if child.depth > MAX_DEPTH {
                 return Err(child.error(format!("elements are nested deeper than {MAX_DEPTH}")));
@@ -204,6 +221,20 @@ impl<'a, 'input> Element<'a, 'input> {
         Some(self.unread.swap_remove(index))
     }
 
+    /// Takes the attribute `name`, which is not a long list.
+    fn take_short(&mut self, name: &'static str) -> Result<Option<Attribute<'a, 'input>>> {
+        let attribute = self.take(name);
+        match attribute {
+            Some(attribute) if attribute.value().len() > MAX_ATTRIBUTE => {
+                let length = attribute.value().len();
+                let reason =
+                    format!("has {length} bytes: more than {MAX_ATTRIBUTE} are not supported");
+                Err(self.at(&attribute, reason))
+            }
+            attribute => Ok(attribute),
+        }
+    }
+
     /// Skips attributes without effect.
     pub(crate) fn ignore(&mut self, names: &'static str) {
         for name in names.split(' ') {
@@ -212,15 +243,15 @@ impl<'a, 'input> Element<'a, 'input> {
     }
 
     /// Reads a text. An empty one counts as absent.
-    pub(crate) fn text(&mut self, name: &'static str) -> Option<String> {
-        self.take(name)
-            .map(|attribute| attribute.value().to_owned())
-            .filter(|text| !text.is_empty())
+    pub(crate) fn text(&mut self, name: &'static str) -> Result<Option<String>> {
+        let attribute = self.take_short(name)?;
+        let text = attribute.map(|attribute| attribute.value().to_owned());
+        Ok(text.filter(|text| !text.is_empty()))
     }
 
     /// Reads a text that must be given.
     pub(crate) fn required_text(&mut self, name: &'static str) -> Result<String> {
-        self.text(name).ok_or_else(|| self.missing(name))
+        self.text(name)?.ok_or_else(|| self.missing(name))
     }
 
     /// The error of an attribute that must be given.
@@ -234,7 +265,7 @@ impl<'a, 'input> Element<'a, 'input> {
         name: &'static str,
         words: &[(&str, T)],
     ) -> Result<Option<T>> {
-        let Some(attribute) = self.take(name) else {
+        let Some(attribute) = self.take_short(name)? else {
             return Ok(None);
         };
         let value = attribute.value();
@@ -255,7 +286,7 @@ impl<'a, 'input> Element<'a, 'input> {
 
     /// Reads at most `out.len()` numbers to the start of `out`; returns their number.
     pub(crate) fn up_to(&mut self, name: &'static str, out: &mut [f64]) -> Result<usize> {
-        let Some(attribute) = self.take(name) else {
+        let Some(attribute) = self.take_short(name)? else {
             return Ok(0);
         };
         let mut count = 0;
@@ -342,7 +373,7 @@ impl<'a, 'input> Element<'a, 'input> {
 
     /// Reads a whole number.
     pub(crate) fn integer<T: TryFrom<i64>>(&mut self, name: &'static str) -> Result<Option<T>> {
-        let Some(attribute) = self.take(name) else {
+        let Some(attribute) = self.take_short(name)? else {
             return Ok(None);
         };
         let value = attribute.value().trim();

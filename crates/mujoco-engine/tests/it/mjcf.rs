@@ -353,15 +353,159 @@ fn large_texts_are_read_in_time_or_refused() {
         body(490, 490)
     );
     refused(touching, "too many pairs of geoms can touch");
-    for (section, element) in [
-        ("contact", "exclude body1=\"a\" body2=\"b\""),
-        ("keyframe", "key"),
-        ("actuator", "motor"),
+    for (section, element, kinds) in [
+        ("contact", "exclude body1=\"a\" body2=\"b\"", "excludes"),
+        ("keyframe", "key", "keys"),
+        ("actuator", "motor", "actuators"),
+        ("asset", "material name=\"m\"", "materials"),
+        ("sensor", "clock", "sensors"),
     ] {
         let elements = format!("<{element}/>").repeat(90_000);
         let text = format!("<mujoco><worldbody/><{section}>{elements}</{section}></mujoco>");
-        refused(text, "more than 1000 are not supported");
+        refused(text, &format!("more than 1000 {kinds} are not supported"));
     }
+    let path = "<joint joint=\"j\" coef=\"1\"/>".repeat(600);
+    let tendons = format!("<fixed>{path}</fixed>").repeat(2);
+    let text = format!("<mujoco><tendon>{tendons}</tendon></mujoco>");
+    refused(text, "more than 1000 parts of tendons are not supported");
+}
+
+/// Whatever copies a part of the text would take gigabytes, or minutes, here.
+#[test]
+fn copies_are_counted_before_they_are_made() {
+    let squared = |part: &str| {
+        format!(
+            "<mujoco>\n<worldbody>\n<replicate count=\"440\"><replicate count=\"440\">\n{part}</replicate></replicate>\n</worldbody></mujoco>"
+        )
+    };
+    let thousand = |attributes: &str, part: &str| {
+        format!(
+            "<mujoco>\n<worldbody>\n<replicate count=\"1000\" {attributes}>\n{part}</replicate>\n</worldbody></mujoco>"
+        )
+    };
+    let (name, long, huge) = ("s".repeat(900), "s".repeat(40_000), "s".repeat(7 << 20));
+    let nested = format!(
+        "<mujoco>\n<worldbody>\n{}<site name=\"s\"/>{}</worldbody></mujoco>",
+        format!("<replicate count=\"2\" sep=\"{name}\">").repeat(150),
+        "</replicate>".repeat(150)
+    );
+    let class = |part: &str| {
+        format!(
+            "<mujoco>\n\n\n<default>{part}</default><worldbody><geom size=\"1\"/></worldbody></mujoco>"
+        )
+    };
+    let comments = "<!---->".repeat(100_000);
+    let cases: Vec<Refused> = vec![
+        (
+            squared(&format!("<site name=\"{name}\"/>")),
+            4,
+            "site",
+            Some("name"),
+        ),
+        (
+            squared(&format!("<site name=\"{long}\"/>")),
+            4,
+            "site",
+            Some("name"),
+        ),
+        (
+            thousand("", &format!("<site name=\"{huge}\"/>")),
+            4,
+            "site",
+            Some("name"),
+        ),
+        (
+            thousand(&format!("sep=\"{huge}\""), "<site/>"),
+            3,
+            "replicate",
+            Some("sep"),
+        ),
+        (nested, 3, "replicate", Some("sep")),
+        (
+            squared(&format!("<camera mode=\"targetbody\" target=\"{name}\"/>")),
+            4,
+            "camera",
+            Some("target"),
+        ),
+        (
+            thousand("", &format!("<geom size=\"1\" material=\"{huge}\"/>")),
+            4,
+            "geom",
+            Some("material"),
+        ),
+        (
+            class(&format!("<geom mesh=\"{huge}\"/>")),
+            4,
+            "geom",
+            Some("mesh"),
+        ),
+        (
+            class(&format!("<motor joint=\"{huge}\"/>")),
+            4,
+            "motor",
+            Some("joint"),
+        ),
+        (
+            squared(&format!("<site size=\"1{}\"/>", " ".repeat(7 << 20))),
+            4,
+            "site",
+            Some("size"),
+        ),
+        (
+            squared(&format!("<site type=\"{huge}\"/>")),
+            4,
+            "site",
+            Some("type"),
+        ),
+        (
+            squared(&format!("<frame>{comments}</frame>")),
+            4,
+            "frame",
+            None,
+        ),
+        (
+            squared(&format!("<light>{comments}</light>")),
+            4,
+            "light",
+            None,
+        ),
+        (squared("<geom size=\"1\"/>"), 4, "geom", None),
+        (
+            format!(
+                "<mujoco>\n<worldbody>\n<body>\n{}</body></worldbody></mujoco>",
+                "<joint/>".repeat(20_000)
+            ),
+            4,
+            "joint",
+            None,
+        ),
+        (squared("<site/><site/>"), 3, "replicate", None),
+    ];
+    for (text, line, element, attribute) in cases {
+        let error = Model::from_xml(&text).unwrap_err();
+        let Error::Mjcf {
+            line: l,
+            element: e,
+            attribute: a,
+            reason,
+        } = &error
+        else {
+            panic!("{error}");
+        };
+        assert_eq!(
+            (*l, &**e, a.as_deref()),
+            (line, element, attribute),
+            "{reason}"
+        );
+        assert!(
+            reason.contains("more than") && reason.len() < 300,
+            "{reason}"
+        );
+    }
+    // what real models need stays
+    let text = thousand("sep=\"_\"", &format!("<site name=\"{name}\"/>"));
+    let m = Model::from_xml(&text).unwrap();
+    assert_eq!(m.site_id(&format!("{name}_0999")), Some(999));
 }
 
 /// (`/dev/zero` never ends.)

@@ -102,11 +102,11 @@ impl Actuator {
         let kind = KINDS.into_iter().find(|kind| *kind == element.name());
         self.kind = kind.unwrap_or(self.kind);
         for target in TARGETS {
-            if let Some(name) = element.text(target) {
+            if let Some(name) = element.text(target)? {
                 self.target = Some((target, name));
             }
         }
-        replace_some(&mut self.reference_site, element.text("refsite"));
+        replace_some(&mut self.reference_site, element.text("refsite")?);
         element.up_to("gear", &mut self.gear)?;
         for (name, range) in [
             ("ctrlrange", &mut self.ctrl_range),

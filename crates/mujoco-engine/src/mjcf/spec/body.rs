@@ -106,7 +106,7 @@ impl Camera {
     pub(crate) fn read(&mut self, element: &mut Element<'_, '_>) -> Result<()> {
         self.place = element.place();
         element.set_keyword("mode", &MODES, &mut self.mode)?;
-        self.target = element.text("target").or(self.target.take());
+        self.target = element.text("target")?.or(self.target.take());
         replace(&mut self.pos, element.numbers("pos")?);
         replace(&mut self.fovy, element.number("fovy")?);
         if !(self.fovy > 0.0 && self.fovy < 180.0) {

@@ -49,7 +49,7 @@ impl Pair {
     pub(crate) fn read(&mut self, element: &mut Element<'_, '_>) -> Result<()> {
         self.place = element.place();
         for (name, geom) in ["geom1", "geom2"].into_iter().zip(&mut self.geoms) {
-            replace_some(geom, element.text(name));
+            replace_some(geom, element.text(name)?);
         }
         replace(&mut self.condim, read_condim(element)?);
         element.up_to("friction", &mut self.friction)?;

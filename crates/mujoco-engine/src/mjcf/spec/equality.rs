@@ -48,10 +48,10 @@ impl Equality {
     ) -> Result<()> {
         self.read_common(element)?;
         self.kind = kind;
-        self.names = [element.text(first), element.text(second)];
+        self.names = [element.text(first)?, element.text(second)?];
         match kind {
             EqualityType::Connect | EqualityType::Weld => {
-                let sites = [element.text("site1"), element.text("site2")];
+                let sites = [element.text("site1")?, element.text("site2")?];
                 let anchor = element.numbers::<3>("anchor")?;
                 self.data[1] = 0.0;
                 if kind == EqualityType::Weld {

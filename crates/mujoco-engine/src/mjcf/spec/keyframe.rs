@@ -21,7 +21,7 @@ impl Key {
     pub(crate) fn read(mut element: Element<'_, '_>) -> Result<Self> {
         let key = Self {
             place: element.place(),
-            name: element.text("name"),
+            name: element.text("name")?,
             time: element.number("time")?.unwrap_or(0.0),
             qpos: element.list("qpos")?,
             qvel: element.list("qvel")?,

@@ -118,7 +118,7 @@ impl Compiler {
         if let Some([first, last]) = element.numbers("inertiagrouprange")? {
             self.inertia_groups = [first as i32, last as i32];
         }
-        if let Some(text) = element.text("eulerseq") {
+        if let Some(text) = element.text("eulerseq")? {
             self.euler = sequence(&text).ok_or_else(|| {
                 element
                     .place()

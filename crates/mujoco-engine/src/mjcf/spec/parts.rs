@@ -176,8 +176,8 @@ impl Geom {
         read_solref(element, "solref", &mut self.solref)?;
         element.up_to("solimp", &mut self.solimp)?;
         replace(&mut self.rgba, element.numbers("rgba")?);
-        replace_some(&mut self.material, element.text("material"));
-        replace_some(&mut self.mesh, element.text("mesh"));
+        replace_some(&mut self.material, element.text("material")?);
+        replace_some(&mut self.mesh, element.text("mesh")?);
         replace(&mut self.group, element.integer("group")?);
         replace(&mut self.shell, element.flag("shellinertia")?);
         let shapes = [("none", false), ("ellipsoid", true)];

@@ -36,7 +36,7 @@ impl Sensor {
     pub(crate) fn read(mut element: Element<'_, '_>, kind: SensorType) -> Result<Self> {
         let mut sensor = Self {
             place: element.place(),
-            name: element.text("name"),
+            name: element.text("name")?,
             kind,
             object: None,
             reference: None,

@@ -85,7 +85,7 @@ impl Tendon {
                     Wrap::Joint(child.required_text("joint")?, coef)
                 }
                 "site" => Wrap::Site(child.required_text("site")?),
-                "geom" => Wrap::Geom(child.required_text("geom")?, child.text("sidesite")),
+                "geom" => Wrap::Geom(child.required_text("geom")?, child.text("sidesite")?),
                 _ => Wrap::Pulley(
                     child
                         .non_negative("divisor")?

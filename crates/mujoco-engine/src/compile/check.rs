@@ -2,7 +2,7 @@
 
 use std::fmt::Display;
 
-use super::features;
+use super::{features, values};
 use crate::error::ensure;
 use crate::mjcf::MOST;
 use crate::model::{CompiledModel, GeomType, JointType};
@@ -13,8 +13,9 @@ impl Model {
     ///
     /// # Errors
     /// [`Error::Model`] if arrays have different lengths, ids point nowhere, numbers are not
-    /// finite, or the model needs an unsupported feature; the message names the array and the
-    /// element.
+    /// finite, a number is one that MJCF refuses (such as a negative mass, damping or friction, a
+    /// range in the wrong order, an impedance outside 0 to 1), or the model needs an unsupported
+    /// feature; the message names the array and the element.
     pub fn new(mut compiled: CompiledModel) -> Result<Self> {
         compiled.complete();
         check(&compiled)?;
@@ -39,7 +40,7 @@ pub(super) fn check(m: &CompiledModel) -> Result<()> {
     geoms(m)?;
     others(m)?;
     features::check(m)?;
-    numbers(m)
+    values::check(m)
 }
 
 fn bad(what: String) -> Error {
@@ -308,9 +309,12 @@ fn geoms(m: &CompiledModel) -> Result<()> {
                 || m.geom_contype[g] == 0 && m.geom_conaffinity[g] == 0,
             "geom {g} is a mesh that collides, which is not supported: set its contype and conaffinity to 0"
         );
+        let material = usize::try_from(m.geom_matid[g]);
         ensure!(
-            m.geom_friction[g].iter().all(|&f| f >= 0.0),
-            "geom_friction[{g}] must not be negative"
+            material.is_ok_and(|id| id < m.mat_rgba.len()) || m.geom_matid[g] == -1,
+            "geom_matid[{g}] is {}, and there are {} materials",
+            m.geom_matid[g],
+            m.mat_rgba.len()
         );
     }
     Ok(())
@@ -327,6 +331,18 @@ fn others(m: &CompiledModel) -> Result<()> {
     };
     body("site_bodyid", &m.site_bodyid)?;
     body("cam_bodyid", &m.cam_bodyid)?;
+    for (i, &target) in m.cam_targetbodyid.iter().enumerate() {
+        ensure!(
+            m.cam_mode[i] <= 4,
+            "cam_mode[{i}] is {}: use 0 to 4",
+            m.cam_mode[i]
+        );
+        let exists = usize::try_from(target).is_ok_and(|b| b < m.nbody());
+        ensure!(
+            exists || target == -1 && m.cam_mode[i] < 3,
+            "cam_targetbodyid[{i}] is {target}, which the camera's mode cannot use"
+        );
+    }
     for k in 0..m.key_time.len() {
         ensure!(
             m.key_qpos[k].len() == m.nq()
@@ -337,76 +353,6 @@ fn others(m: &CompiledModel) -> Result<()> {
                 && m.key_mquat[k].len() == 4 * m.nmocap(),
             "keyframe {k} has another size than the model"
         );
-    }
-    Ok(())
-}
-
-fn numbers(m: &CompiledModel) -> Result<()> {
-    let o = &m.opt;
-    ensure!(
-        o.timestep > 0.0 && o.timestep.is_finite(),
-        "opt.timestep is {}, must be positive",
-        o.timestep
-    );
-    ensure!(
-        o.tolerance >= 0.0 && o.ls_tolerance >= 0.0,
-        "opt.tolerance and opt.ls_tolerance must not be negative"
-    );
-    let finite = |what: &str, numbers: &[f64]| match numbers.iter().position(|x| !x.is_finite()) {
-        Some(i) => Err(bad(format!("number {i} of {what} is not finite"))),
-        None => Ok(()),
-    };
-    macro_rules! all_finite {
-        (flat: $($flat:ident)+; rows: $($rows:ident)+) => {
-            let arrays = [
-                $((stringify!($flat), &m.$flat[..]),)+
-                $((stringify!($rows), m.$rows.as_flattened()),)+
-            ];
-            for (name, numbers) in arrays {
-                finite(name, numbers)?;
-            }
-        };
-    }
-    all_finite!(
-        flat:
-            body_gravcomp dof_frictionloss tendon_margin tendon_stiffness tendon_damping
-            tendon_frictionloss tendon_length0 tendon_invweight0 actuator_length0 actuator_acc0
-            sensor_cutoff sensor_noise pair_margin pair_gap qpos0 qpos_spring body_mass
-            body_subtreemass jnt_margin jnt_stiffness dof_armature dof_damping dof_invweight0 dof_m0
-            geom_rbound geom_solmix geom_margin geom_gap wrap_prm;
-        rows:
-            body_pos body_quat body_ipos body_iquat body_inertia body_invweight0 jnt_pos jnt_axis
-            jnt_range jnt_solref jnt_solimp geom_size geom_pos geom_quat geom_friction geom_solref
-            geom_solimp site_pos site_quat actuator_gear actuator_ctrlrange actuator_forcerange
-            actuator_actrange actuator_lengthrange jnt_actfrcrange dof_solref dof_solimp
-            tendon_range tendon_actfrcrange tendon_lengthspring tendon_solref_lim tendon_solimp_lim
-            tendon_solref_fri tendon_solimp_fri eq_solref eq_solimp eq_data pair_solref
-            pair_solreffriction pair_solimp pair_friction
-    );
-    let [[gx, gy, gz], [wx, wy, wz]] = [o.gravity, o.wind];
-    finite("opt", &[gx, gy, gz, wx, wy, wz, o.density, o.viscosity])?;
-    finite("stat", &[m.stat.meaninertia])?;
-    let range = |what: &str, ranges: &[[f64; 2]]| match ranges.iter().position(|r| r[0] > r[1]) {
-        Some(i) => Err(bad(format!(
-            "{what}[{i}] has its limits in the wrong order"
-        ))),
-        None => Ok(()),
-    };
-    range("jnt_range", &m.jnt_range)?;
-    range("actuator_ctrlrange", &m.actuator_ctrlrange)?;
-    for (name, solrefs) in [
-        ("jnt", &m.jnt_solref),
-        ("geom", &m.geom_solref),
-        ("dof", &m.dof_solref),
-        ("eq", &m.eq_solref),
-        ("pair", &m.pair_solref),
-    ] {
-        for (i, solref) in solrefs.iter().enumerate() {
-            ensure!(
-                (solref[0] > 0.0) == (solref[1] > 0.0),
-                "{name}_solref[{i}] has one positive number: both must be, or none"
-            );
-        }
     }
     Ok(())
 }

@@ -21,6 +21,11 @@ pub(super) fn check(m: &CompiledModel) -> Result<()> {
             "pair {i} is of geoms {g1} and {g2}, and there are {}",
             m.ngeom()
         );
+        ensure!(
+            matches!(m.pair_dim[i], 1 | 3 | 4 | 6),
+            "pair_dim[{i}] is {}: use 1, 3, 4 or 6",
+            m.pair_dim[i]
+        );
     }
     unsupported(m)
 }
@@ -95,6 +100,12 @@ fn tendons(m: &CompiledModel) -> Result<()> {
             ensure!(
                 fits && (kind == WrapType::Joint) == fixed,
                 "wrap_objid[{w}] is {id}, which does not fit its kind or its tendon"
+            );
+            let around = matches!(kind, WrapType::Sphere | WrapType::Cylinder);
+            let side = m.wrap_prm[w].round();
+            ensure!(
+                !around || side < 0.0 || exists(m, ObjectType::Site, side as i32),
+                "wrap_prm[{w}] is {side}, which is no side site (-1 for none)"
             );
         }
         let path = &m.wrap_type[first..first + number];

@@ -7,7 +7,7 @@
 //! | `inertia`, `fluid` | masses, principal axes, coefficients of shapes |
 //! | `mesh`, `hull` | meshes of files; their convex hulls |
 //! | `constants` | fields that follow from others, by stages of the engine |
-//! | `complete`, `check`, `features` | fields left out; refusal of models that the engine cannot run |
+//! | `complete`, `check`, `features`, `values` | fields left out; refusal of models that the engine cannot run |
 //! | `figures` | the model as a table |
 
 mod actuator;
@@ -29,6 +29,7 @@ pub mod mesh;
 mod sensor;
 mod source;
 mod tendon;
+mod values;
 
 use std::collections::HashSet;
 
@@ -114,25 +115,14 @@ fn scale_mass(m: &mut CompiledModel, total: Option<f64>) {
     moments.for_each(|moment| *moment *= scale);
 }
 
-/// Refuses movable bodies without mass, whose acceleration would be infinite.
+/// Refuses movable bodies without mass, with their place in the text.
 fn check_mass(m: &CompiledModel, spec: &Spec) -> Result<()> {
-    let mut heavy: Vec<bool> = (0..m.nbody())
-        .map(|b| {
-            m.body_mass[b] >= MINVAL && m.body_inertia[b].iter().all(|moment| *moment >= MINVAL)
-        })
-        .collect();
-    for b in (1..m.nbody()).rev() {
-        if m.body_jntnum[b] > 0 {
-            if !heavy[b] {
-                return Err(spec.bodies[b].place.error(
-                    "it has joints and therefore needs mass and inertia: give it a geom, or an <inertial>",
-                ));
-            }
-        } else {
-            heavy[m.body_parentid[b]] |= heavy[b];
-        }
+    let reason =
+        "it has joints and therefore needs mass and inertia: give it a geom, or an <inertial>";
+    match values::weightless(m) {
+        Some(body) => Err(spec.bodies[body].place.error(reason)),
+        None => Ok(()),
     }
-    Ok(())
 }
 
 fn add_looks(m: &mut CompiledModel, spec: &Spec) -> Result<()> {

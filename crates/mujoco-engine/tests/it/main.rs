@@ -5,5 +5,6 @@ mod common;
 mod compiled;
 mod contacts;
 mod mjcf;
+mod numbers;
 mod rooms;
 mod worlds;

@@ -80,6 +80,21 @@ fn refused() -> Vec<Refused> {
         world("<geom size=\"1,2\"/>", "geom", Some("size")),
         world("<geom size=\"\"/>", "geom", Some("size")),
         world("<geom size=\"-1\"/>", "geom", Some("size")),
+        world(
+            "<geom size=\"1\" solimp=\"0.9 1.5\"/>",
+            "geom",
+            Some("solimp"),
+        ),
+        body(
+            "<joint solimplimit=\"-0.1\"/>",
+            "joint",
+            Some("solimplimit"),
+        ),
+        body(
+            "<joint solimpfriction=\".9 .95 .1 2\"/>",
+            "joint",
+            Some("solimpfriction"),
+        ),
         world("<geom/>", "geom", Some("size")),
         world("<geom size=\"1\" pos=\"1 2\"/>", "geom", Some("pos")),
         world("<geom size=\"1\" pos=\"1 2 3 4\"/>", "geom", Some("pos")),

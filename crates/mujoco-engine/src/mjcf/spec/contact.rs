@@ -1,6 +1,6 @@
 //! Exclusions and contact pairs.
 
-use super::{SOLIMP, SOLREF, read_condim, read_solref, replace, replace_some};
+use super::{SOLIMP, SOLREF, read_condim, read_solimp, read_solref, replace, replace_some};
 use crate::Result;
 use crate::mjcf::xml::{Element, Place};
 
@@ -55,7 +55,7 @@ impl Pair {
         element.up_to("friction", &mut self.friction)?;
         read_solref(element, "solref", &mut self.solref)?;
         element.up_to("solreffriction", &mut self.solref_friction)?;
-        element.up_to("solimp", &mut self.solimp)?;
+        read_solimp(element, "solimp", &mut self.solimp)?;
         replace(&mut self.margin, element.number("margin")?);
         replace(&mut self.gap, element.number("gap")?);
         Ok(())

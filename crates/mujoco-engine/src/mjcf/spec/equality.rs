@@ -1,6 +1,6 @@
 //! Equality constraints.
 
-use super::{SOLIMP, SOLREF, read_solref, replace};
+use super::{SOLIMP, SOLREF, read_solimp, read_solref, replace};
 use crate::Result;
 use crate::mjcf::xml::{Element, Place};
 use crate::model::EqualityType;
@@ -35,7 +35,7 @@ impl Equality {
         self.place = element.place();
         replace(&mut self.active, element.flag("active")?);
         read_solref(element, "solref", &mut self.solref)?;
-        element.up_to("solimp", &mut self.solimp)?;
+        read_solimp(element, "solimp", &mut self.solimp)?;
         Ok(())
     }
 

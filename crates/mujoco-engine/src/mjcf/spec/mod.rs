@@ -199,6 +199,24 @@ fn read_solref(
     Err(element.place().attribute(name, reason))
 }
 
+/// Reads `solimp`: dmin, dmax, width, midpoint, power.
+fn read_solimp(
+    element: &mut Element<'_, '_>,
+    name: &'static str,
+    solimp: &mut [f64; 5],
+) -> Result<()> {
+    element.up_to(name, solimp)?;
+    let [dmin, dmax, _, midpoint, _] = *solimp;
+    if [dmin, dmax, midpoint]
+        .iter()
+        .all(|x| (0.0..=1.0).contains(x))
+    {
+        return Ok(());
+    }
+    let reason = "dmin, dmax and midpoint must be from 0 to 1";
+    Err(element.place().attribute(name, reason))
+}
+
 /// The axes in a text such as `xyz`. Capital letters name fixed axes.
 fn sequence(text: &str) -> Option<Sequence> {
     let axis = |letter: char| {

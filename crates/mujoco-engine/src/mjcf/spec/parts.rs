@@ -1,6 +1,8 @@
 //! Joints, geoms and sites.
 
-use super::{GREY, LIMITED, SOLIMP, SOLREF, read_condim, read_solref, replace, replace_some};
+use super::{
+    GREY, LIMITED, SOLIMP, SOLREF, read_condim, read_solimp, read_solref, replace, replace_some,
+};
 use crate::Result;
 use crate::math::spatial::EPS;
 use crate::mjcf::orientation::{Orientation, norm};
@@ -75,9 +77,9 @@ impl Joint {
         }
         element.set_non_negative("frictionloss", &mut self.friction_loss)?;
         read_solref(element, "solreflimit", &mut self.solref)?;
-        element.up_to("solimplimit", &mut self.solimp)?;
+        read_solimp(element, "solimplimit", &mut self.solimp)?;
         read_solref(element, "solreffriction", &mut self.solref_friction)?;
-        element.up_to("solimpfriction", &mut self.solimp_friction)?;
+        read_solimp(element, "solimpfriction", &mut self.solimp_friction)?;
         replace(&mut self.force_range, element.numbers("actuatorfrcrange")?);
         element.set_keyword("actuatorfrclimited", &LIMITED, &mut self.force_limited)?;
         replace(
@@ -174,7 +176,7 @@ impl Geom {
         replace(&mut self.priority, element.integer("priority")?);
         element.set_non_negative("solmix", &mut self.solmix)?;
         read_solref(element, "solref", &mut self.solref)?;
-        element.up_to("solimp", &mut self.solimp)?;
+        read_solimp(element, "solimp", &mut self.solimp)?;
         replace(&mut self.rgba, element.numbers("rgba")?);
         replace_some(&mut self.material, element.text("material")?);
         replace_some(&mut self.mesh, element.text("mesh")?);

@@ -1,6 +1,6 @@
 //! Tendons.
 
-use super::{LIMITED, SOLIMP, SOLREF, read_solref, replace, replace_some};
+use super::{LIMITED, SOLIMP, SOLREF, read_solimp, read_solref, replace, replace_some};
 use crate::Result;
 use crate::mjcf::xml::{Element, Place};
 
@@ -51,9 +51,9 @@ impl Tendon {
         replace(&mut self.force_range, element.numbers("actuatorfrcrange")?);
         replace(&mut self.margin, element.number("margin")?);
         read_solref(element, "solreflimit", &mut self.solref)?;
-        element.up_to("solimplimit", &mut self.solimp)?;
+        read_solimp(element, "solimplimit", &mut self.solimp)?;
         read_solref(element, "solreffriction", &mut self.solref_friction)?;
-        element.up_to("solimpfriction", &mut self.solimp_friction)?;
+        read_solimp(element, "solimpfriction", &mut self.solimp_friction)?;
         element.set_non_negative("frictionloss", &mut self.friction_loss)?;
         element.set_non_negative("stiffness", &mut self.stiffness)?;
         element.set_non_negative("damping", &mut self.damping)?;

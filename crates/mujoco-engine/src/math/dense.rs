@@ -216,10 +216,13 @@ pub(crate) fn set(vector: &mut [Lanes], i: usize, x: f64) {
     });
 }
 
-/// Copies `from` to the front of a vector.
+/// Copies `from` to a vector, and zeros to the elements after its end. (A buffer may hold anything
+/// there: zero times infinity is not a number.)
 #[inline]
 pub(crate) fn put(to: &mut [Lanes], from: &[f64]) {
-    to.as_flattened_mut()[..from.len()].copy_from_slice(from);
+    let (front, rest) = to.as_flattened_mut().split_at_mut(from.len());
+    front.copy_from_slice(from);
+    rest.fill(0.0);
 }
 
 #[cfg(test)]

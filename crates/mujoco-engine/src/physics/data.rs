@@ -315,7 +315,7 @@ fn fill<T: Clone>(array: &mut [T], _length: usize, value: T) {
     array.fill(value);
 }
 
-const UNTURNED: [f64; 4] = [1.0, 0.0, 0.0, 0.0];
+pub(super) const UNTURNED: [f64; 4] = [1.0, 0.0, 0.0, 0.0];
 
 impl Data {
     /// The data of a model in its initial configuration. It allocates everything that a step needs.

@@ -106,6 +106,18 @@ impl Buffers {
     }
 }
 
+#[cfg(test)]
+impl Buffers {
+    pub(crate) fn poison(&mut self) {
+        use crate::physics::work::Poison;
+        for vector in [&mut self.slopes, &mut self.lu, &mut self.part] {
+            vector.poison();
+        }
+        // the other derivatives are zeros where no velocity moves a body, and never written there
+        self.jac.poison();
+    }
+}
+
 /// Replaces the forces `x` by the accelerations of `implicit`: MuJoCo's `mj_implicitSkip`.
 #[inline(never)]
 pub(super) fn solve(m: &Model, d: &Data, b: &mut Buffers, x: &mut [f64]) {

@@ -270,6 +270,13 @@ impl Way {
             y: zeros,
         }
     }
+
+    #[cfg(test)]
+    pub(crate) fn poison(&mut self) {
+        for vector in [&mut self.x, &mut self.y] {
+            crate::physics::work::Poison::poison(vector);
+        }
+    }
 }
 
 /// Replaces `x` by `M^-1 x`: MuJoCo's `mj_solveM`.

@@ -31,6 +31,15 @@ pub(crate) struct Polytope {
     pub(super) polygons: [Vec<Vec3>; 3],
 }
 
+#[cfg(test)]
+impl Polytope {
+    pub(crate) fn poison(&mut self) {
+        use crate::physics::work::Poison;
+        self.center.poison();
+        self.polygons.poison();
+    }
+}
+
 #[derive(Clone, Debug)]
 struct Face {
     corners: [usize; 3],

@@ -6,6 +6,8 @@ use crate::Model;
 use crate::math::dense::{self, Lanes};
 use crate::physics::constraint::Block;
 use crate::physics::inertia::Way;
+#[cfg(test)]
+use crate::physics::work::Poison;
 
 /// The buffers of the primal solvers.
 #[derive(Clone, Debug, Default)]
@@ -22,8 +24,6 @@ pub(crate) struct Buffers {
     pub(super) mv: Vec<Lanes>,
     pub(super) row_update: Vec<Lanes>,
     pub(super) way: Way,
-    /// The number of degrees of freedom of the last island.
-    pub(super) last: usize,
     /// The Hessian's lower triangle by columns, then its factor.
     pub(super) hessian: Vec<Lanes>,
     /// The Jacobians of the rows that push (`pushing`), and these Jacobians times the rows'
@@ -126,15 +126,41 @@ impl Buffers {
     }
 
     /// Resizes the vectors for an island of `n` degrees of freedom. The elements that fill the last
-    /// group of four are zero.
+    /// group of four are zero: a solution that diverged leaves other numbers there.
     pub(super) fn fit(&mut self, n: usize) {
-        let other_rest = !n.is_multiple_of(4) && self.last != n;
         for vector in self.of_dofs() {
-            if vector.len() != dense::groups(n) || other_rest {
-                vector.clear();
-                vector.resize(dense::groups(n), [0.0; 4]);
+            vector.resize(dense::groups(n), [0.0; 4]);
+            if let Some(last) = vector.last_mut() {
+                *last = [0.0; 4];
             }
         }
-        self.last = n;
+    }
+
+    #[cfg(test)]
+    pub(crate) fn poison(&mut self) {
+        for vector in self.of_dofs() {
+            vector.poison();
+        }
+        for vector in [&mut self.hessian, &mut self.pushing, &mut self.pushed] {
+            vector.poison();
+        }
+        self.with_cones.poison();
+        self.gathered.jac.poison();
+        let gathered = &mut self.gathered;
+        for vector in [
+            &mut self.ma_start,
+            &mut self.jar,
+            &mut self.jv,
+            &mut self.force,
+            &mut gathered.aref,
+            &mut gathered.d,
+            &mut gathered.r,
+            &mut gathered.loss,
+        ] {
+            vector.poison();
+        }
+        self.way.poison();
+        self.pushes.fill(true);
+        self.states.fill(State::Quadratic);
     }
 }

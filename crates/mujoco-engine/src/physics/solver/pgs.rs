@@ -75,6 +75,24 @@ impl Buffers {
     }
 }
 
+#[cfg(test)]
+impl Buffers {
+    pub(crate) fn poison(&mut self) {
+        use crate::physics::work::Poison;
+        for vector in [
+            &mut self.half,
+            &mut self.ar,
+            &mut self.force,
+            &mut self.product,
+        ] {
+            vector.poison();
+        }
+        for vector in [&mut self.jar, &mut self.before, &mut self.momentum] {
+            vector.poison();
+        }
+    }
+}
+
 /// Solves all islands: MuJoCo's `mj_solPGS_island`.
 #[inline(always)]
 pub(super) fn solve(m: &Model, d: &mut Data) {

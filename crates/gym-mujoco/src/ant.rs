@@ -38,7 +38,10 @@ use mujoco_engine::{Data, Model};
 
 /// A body, by number or by name.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(untagged)]
+#[serde(
+    untagged,
+    expecting = "expected the number of a body, counted from 0, or its name"
+)]
 pub enum Body {
     /// Its number; 0 is the world.
     Id(usize),

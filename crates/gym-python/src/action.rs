@@ -19,6 +19,8 @@ pub(crate) enum Check {
     Equal,
     /// Requires the shape of the action space.
     Shape,
+    /// Takes numbers beyond the last action as 0.
+    Beyond,
 }
 
 impl Check {
@@ -27,6 +29,7 @@ impl Check {
         match find(id).map_or("", |registration| registration.source.package) {
             "gym-toytext" if !id.starts_with("Blackjack") => Self::Equal,
             "gym-mujoco" => Self::Shape,
+            "gym-minigrid" if id.starts_with("MiniGrid-Dynamic-Obstacles-") => Self::Beyond,
             _ => Self::Element,
         }
     }
@@ -35,6 +38,7 @@ impl Check {
     pub(crate) fn action(self, space: &Space, action: &Bound<'_, PyAny>) -> PyResult<Value> {
         action_from_python(space, None, action).or_else(|error| match self {
             Self::Equal => equal(space, action).ok_or_else(|| refused(space, action, &error)),
+            Self::Beyond => beyond(space, action).ok_or_else(|| refused(space, action, &error)),
             Self::Shape => {
                 Err(mismatch(space, action).unwrap_or_else(|| refused(space, action, &error)))
             }
@@ -55,6 +59,15 @@ fn equal(space: &Space, action: &Bound<'_, PyAny>) -> Option<Value> {
     let mut actions = space.start()..space.start() + space.n();
     let found = actions.find(|number| action.eq(number).unwrap_or(false));
     found.map(Value::Int)
+}
+
+/// Returns the action 0 if `action` is greater than the last action.
+fn beyond(space: &Space, action: &Bound<'_, PyAny>) -> Option<Value> {
+    let Space::Discrete(space) = space else {
+        return None;
+    };
+    let is_beyond = action.gt(space.last()).unwrap_or(false);
+    is_beyond.then_some(Value::Int(0))
 }
 
 /// The error for an action of another shape, which Gymnasium's MuJoCo tasks compare first.

@@ -77,3 +77,19 @@ def test_attributes_are_those_of_minigrid(env_id: str) -> None:
         (grid, mask), (their_grid, their_mask) = (env.gen_obs_grid(size) for env in (ours, theirs))
         assert_same(mask, their_mask, f"cells seen of {size}")
         assert_same(grid.encode(mask), their_grid.encode(their_mask), f"view of {size}")
+
+
+def test_actions_beyond_three_turn_left_before_dynamic_obstacles() -> None:
+    ours, theirs = (
+        make("MiniGrid-Dynamic-Obstacles-6x6-v0") for make in (rustgym.make, gymnasium.make)
+    )
+    for env in (ours, theirs):
+        env.reset(seed=3)
+    for action in (3, 4, np.int64(5), 6, 7, 100, 2, 3):
+        a, b = (env.step(action) for env in (ours, theirs))
+        assert_same(a[:4], b[:4], f"action {action}")
+        if b[2] or b[3]:
+            for env in (ours, theirs):
+                env.reset()
+    with pytest.raises(Exception, match="invalid action"):
+        ours.step("left")

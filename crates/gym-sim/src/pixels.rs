@@ -16,7 +16,8 @@ pub(crate) struct Pixels {
 impl Pixels {
     /// Makes a painter of frames of `side` by `side` pixels.
     pub(crate) fn new(side: u32) -> Result<Self> {
-        let reason = "no crate that draws is linked: add gym-render and `use gym_render as _;`";
+        let reason = "no crate that draws is linked: turn on the feature `render` of rust-gym, or \
+                      add gym-render and `use gym_render as _;`";
         let painter = painter().ok_or_else(|| Error::argument("pixels", reason))?;
         let frame = Frame::new(side, side)?;
         Ok(Self { painter, frame })

@@ -110,6 +110,12 @@ fn bad_arguments_say_what_is_wrong() {
         ),
         ("Ant-v5", "main_body", json!("tail"), "tail"),
         ("Ant-v5", "main_body", json!(99), "0 to 13"),
+        (
+            "Ant-v5",
+            "main_body",
+            json!(-1),
+            "the number of a body, counted from 0, or its name",
+        ),
         ("Ant-v5", "main_body", json!(14), "0 to 13"),
         ("Ant-v5", "frame_skip", json!(0), "frame_skip"),
         ("Ant-v5", "reset_noise_scale", json!(1e308), "within ±1e9"),

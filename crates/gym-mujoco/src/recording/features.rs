@@ -1,10 +1,13 @@
 //! Recordings of models with one feature each: single steps from given states, and an episode of
 //! random controls, by several versions of MuJoCo.
 //!
-//! `xml` is the text of the model, `seed` the seed of the controls. For each version, `versions`
+//! `xml` is the text of the model, or `file` names its file, absolute or relative to the folder of
+//! the recording. `seed` is the seed of the controls. For each version, `versions`
 //! has `steps` (states, each with the state `after` a step) and `episode` (the states after certain
 //! numbers of steps). The answer has the same form, for the versions that the engine supports. For
 //! a model that the engine refuses, the answer has `error`.
+
+use std::path::Path;
 
 use gym_core::RandomState;
 use serde::Deserialize;
@@ -44,11 +47,18 @@ pub(super) fn is_of_features(recording: &Map<String, Value>) -> bool {
     recording.get("kind").and_then(Value::as_str) == Some("features")
 }
 
-/// Computes the results of this engine for a recording.
-pub(super) fn answer(recording: &Map<String, Value>) -> Result<Map<String, Value>> {
+/// Computes the results of this engine for a recording; `folder` contains the recording.
+pub(super) fn answer(recording: &Map<String, Value>, folder: &Path) -> Result<Map<String, Value>> {
     let wrong = |what: &str| Error::Data(format!("the recording has {what}"));
-    let text = recording.get("xml").and_then(Value::as_str);
-    let text = text.ok_or_else(|| wrong("no text of a model"))?;
+    let text = |key: &str| recording.get(key).and_then(Value::as_str);
+    let model = |revision| match (text("xml"), text("file")) {
+        (Some(xml), None) => Ok(Model::from_xml_with(xml, revision)),
+        (None, Some(file)) => Ok(Model::from_path_with(folder.join(file), revision)),
+        (Some(_), Some(_)) => Err(wrong("both `xml` and `file`: give one of them")),
+        (None, None) => Err(wrong(
+            "no model: give its text as `xml`, or its path as `file`",
+        )),
+    };
     let versions = recording.get("versions").and_then(Value::as_object);
     let versions = versions.ok_or_else(|| wrong("no versions"))?;
     let seed = recording.get("seed").and_then(Value::as_u64).unwrap_or(0);
@@ -57,7 +67,7 @@ pub(super) fn answer(recording: &Map<String, Value>) -> Result<Map<String, Value
         let Ok(revision) = version.parse::<Revision>() else {
             continue;
         };
-        let m = match Model::from_xml_with(text, revision) {
+        let m = match model(revision)? {
             Ok(m) => m,
             Err(error) => {
                 let refused = json!({"error": error.to_string()});

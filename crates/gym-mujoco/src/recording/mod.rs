@@ -54,7 +54,7 @@ pub fn is_of_engine(recording: &Map<String, Value>) -> bool {
 /// If the recording names no model, or a state does not fit the model.
 pub fn answer(recording: &Map<String, Value>, folder: &Path) -> Result<Map<String, Value>> {
     if features::is_of_features(recording) {
-        return features::answer(recording);
+        return features::answer(recording, folder);
     }
     let wrong = |what: &str| Error::Data(format!("the recording has {what}"));
     let m = model(recording, folder)?;

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use gym_mujoco::recording;
 use mujoco_engine::{Data, Model, Revision, step};
-use serde_json::{Map, Value};
+use serde_json::{Map, Value, json};
 
 use crate::common::same;
 
@@ -190,4 +190,61 @@ fn texts_include_nothing() {
         error.contains("include") && error.contains("line 2"),
         "{error}"
     );
+}
+
+/// A recording names the file of a model instead of its text, so that the model can include others.
+#[test]
+fn a_recording_may_name_the_file_of_its_model() {
+    let body = r#"<mujoco><body name="b"><joint axis="0 1 0"/><geom size="0.1" pos="0.2 0 0"/></body></mujoco>"#;
+    let folder = Folder::new(
+        "named",
+        &[
+            (
+                "robot/model.xml",
+                r#"<mujoco><worldbody><include file="body.xml"/></worldbody></mujoco>"#,
+            ),
+            ("robot/body.xml", body),
+            (
+                "robot/wrong.xml",
+                "<mujoco>\n<asset><sound/></asset></mujoco>",
+            ),
+        ],
+    );
+    let answer = |model: Value| {
+        let Value::Object(mut recording) = model else {
+            panic!("{model}")
+        };
+        recording.insert("kind".into(), "features".into());
+        recording.insert(
+            "versions".into(),
+            json!({"4.0.0": {"steps": [], "episode": {"3": {}}}}),
+        );
+        recording::answer(&recording, &folder.0).map_err(|error| error.to_string())
+    };
+    let inner = body.replace("<mujoco>", "").replace("</mujoco>", "");
+    let whole = format!("<mujoco><worldbody>{inner}</worldbody></mujoco>");
+    let expected = answer(json!({"xml": whole})).unwrap();
+    let fell = &expected["versions"]["4.0.0"]["episode"]["3"]["qpos"][0];
+    assert!(fell.as_f64().unwrap() > 0.0, "{fell}");
+    assert_eq!(
+        answer(json!({"file": "robot/model.xml"})).unwrap(),
+        expected
+    );
+    let absolute = folder.0.canonicalize().unwrap().join("robot/model.xml");
+    assert_eq!(answer(json!({"file": absolute})).unwrap(), expected);
+
+    // the answer names the file and the line of a model that is refused
+    let refused = answer(json!({"file": "robot/wrong.xml"})).unwrap();
+    let error = refused["error"].as_str().unwrap();
+    assert!(error.contains("wrong.xml: line 2: <sound>"), "{error}");
+    let missing = answer(json!({"file": "none.xml"})).unwrap();
+    let error = missing["error"].as_str().unwrap();
+    assert!(error.contains("none.xml"), "{error}");
+    for model in [json!({}), json!({"xml": whole, "file": "robot/model.xml"})] {
+        let error = answer(model).unwrap_err();
+        assert!(
+            error.contains("`xml`") && error.contains("`file`"),
+            "{error}"
+        );
+    }
 }

@@ -77,10 +77,46 @@ impl Pose {
             turned,
         }
     }
+}
 
-    pub(super) fn all(pos: &[[f64; 3]], quat: &[[f64; 4]]) -> Vec<Self> {
-        let both = pos.iter().zip(quat);
-        both.map(|(pos, quat)| Self::within(*pos, *quat)).collect()
+/// The frame of a geom or a site: MuJoCo's `mjtSameFrame`.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum Mount {
+    /// The inertial frame of the body.
+    Inertial,
+    /// A position of its own, and the orientation of the inertial frame.
+    Aligned(Pose),
+    /// A pose in the frame of the body.
+    Own(Pose),
+}
+
+impl Mount {
+    /// The inertial frame replaces what is nearly equal in it. The frame of the body comes first,
+    /// because its orientation is exact.
+    fn new(m: &CompiledModel, body: usize, pos: [f64; 3], quat: [f64; 4]) -> Self {
+        let (inertia_pos, inertia_quat) = (m.body_ipos[body], m.body_iquat[body]);
+        let pose = Pose::within(pos, quat);
+        let aligned = pose.turned && same_quat(&quat, &inertia_quat);
+        if (pos, quat) == (inertia_pos, inertia_quat) || (aligned && same(&pos, &inertia_pos)) {
+            Self::Inertial
+        } else if aligned {
+            Self::Aligned(Pose {
+                turned: false,
+                ..pose
+            })
+        } else {
+            Self::Own(pose)
+        }
+    }
+
+    pub(super) fn of_geoms(m: &CompiledModel) -> Vec<Self> {
+        let mount = |g: usize| Self::new(m, m.geom_bodyid[g], m.geom_pos[g], m.geom_quat[g]);
+        (0..m.ngeom()).map(mount).collect()
+    }
+
+    pub(super) fn of_sites(m: &CompiledModel) -> Vec<Self> {
+        let mount = |s: usize| Self::new(m, m.site_bodyid[s], m.site_pos[s], m.site_quat[s]);
+        (0..m.nsite()).map(mount).collect()
     }
 }
 

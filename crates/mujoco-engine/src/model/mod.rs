@@ -25,7 +25,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::Result;
 pub(crate) use constraints::{Equality, Scalar};
-pub(crate) use frames::{Base, Pose, same, same_quat};
+pub(crate) use frames::{Base, Mount, Pose, same, same_quat};
 pub use kinds::{
     BiasType, Cone, DynamicsType, EqualityType, GainType, GeomType, Integrator, JointType,
     ObjectType, Solver, TransmissionType, WrapType,

@@ -6,7 +6,7 @@ use std::ops::Range;
 use super::actuators::Motor;
 use super::bounds::Tree;
 use super::constraints::ModelConstraints;
-use super::frames::{self, Body, Joint, Pose, same, same_quat};
+use super::frames::{self, Body, Joint, Mount};
 use super::pairs::{Pair, Reach, most_contacts};
 use super::paths::Paths;
 use super::{
@@ -92,11 +92,8 @@ pub(crate) struct Plan {
     pub(crate) free_bodies: Vec<usize>,
     pub(crate) bodies: Vec<Body>,
     pub(crate) joints: Vec<Joint>,
-    /// The pose of each site in its body's frame.
-    pub(crate) sites: Vec<Pose>,
-    /// The pose of each geom in its body's frame; `None` if the geom's frame is the body's inertial
-    /// frame.
-    pub(crate) geoms: Vec<Option<Pose>>,
+    pub(crate) sites: Vec<Mount>,
+    pub(crate) geoms: Vec<Mount>,
     /// Whether a timestep reads the frame of each geom, and the frames of sites.
     pub(crate) geoms_read: Vec<bool>,
     pub(crate) sites_read: bool,
@@ -165,14 +162,6 @@ impl Plan {
         let damped = !off(Disable::EulerDamp)
             && !off(Disable::Damper)
             && m.dof_damping.iter().any(|&damping| damping > 0.0);
-        let geoms = (0..m.ngeom()).map(|g| {
-            let (b, pos, quat) = (m.geom_bodyid[g], &m.geom_pos[g], &m.geom_quat[g]);
-            let (inertia_pos, inertia_quat) = (&m.body_ipos[b], &m.body_iquat[b]);
-            let pose = Pose::within(*pos, *quat);
-            let near = same(pos, inertia_pos) && same_quat(quat, inertia_quat);
-            let inertial = (pos, quat) == (inertia_pos, inertia_quat) || (pose.turned && near);
-            (!inertial).then_some(pose)
-        });
         let mut m_local = m_colind.clone();
         for (row, &tree) in m_rows.iter().zip(&m.dof_treeid) {
             let local = m_local[row.clone()].iter_mut();
@@ -232,8 +221,8 @@ impl Plan {
             free_bodies: (0..m.nbody()).filter(|&body| is_free(m, body)).collect(),
             bodies: frames::bodies(m),
             joints: frames::joints(m),
-            sites: Pose::all(&m.site_pos, &m.site_quat),
-            geoms: geoms.collect(),
+            sites: Mount::of_sites(m),
+            geoms: Mount::of_geoms(m),
             geoms_read: Vec::new(),
             sites_read: false,
         };

@@ -4,7 +4,7 @@ use crate::math::number::{self, Number, get, put};
 use crate::math::spatial::{
     InTurn, Order, Pairwise, add, add_scaled, axis_angle, rotate, rotate_quat, sub,
 };
-use crate::model::{Base, JointType, Pose};
+use crate::model::{Base, JointType, Mount, Pose};
 use crate::{Data, Model, Revision};
 
 /// The arrays that this stage reads and writes, of one world or of several.
@@ -159,29 +159,35 @@ fn in_order<N: Number, O: Order>(m: &Model, at: N::At, frames: Frames<'_, N::Cel
         local_to_global::<N, O>(at, frame, &body.inertia, (&mut xipos[b], &mut ximat[b]));
     }
     let n = m.ngeom();
-    let (bodies, poses) = (&m.geom_bodyid[..n], &plan.geoms[..n]);
+    let (bodies, mounts) = (&m.geom_bodyid[..n], &plan.geoms[..n]);
     let read = &plan.geoms_read[..n];
     let (geom_xpos, geom_xmat) = (&mut f.geom_xpos[..n], &mut f.geom_xmat[..n]);
-    for g in 0..n {
-        if !(whole || read[g]) {
-            continue;
-        }
-        let b = bodies[g];
-        match &poses[g] {
-            None => (geom_xpos[g], geom_xmat[g]) = (xipos[b], ximat[b]),
-            Some(pose) => {
-                let to = (&mut geom_xpos[g], &mut geom_xmat[g]);
-                local_to_global::<N, O>(at, (&xpos[b], &xquat[b], &xmat[b]), pose, to);
+    let (seat,) = (
+        #[inline(always)]
+        |b: usize, mount: &Mount, to: (&mut [N::Cell; 3], &mut [N::Cell; 9])| {
+            let own = (&xpos[b], &xquat[b], &xmat[b]);
+            match mount {
+                Mount::Inertial => (*to.0, *to.1) = (xipos[b], ximat[b]),
+                Mount::Own(pose) => local_to_global::<N, O>(at, own, pose, to),
+                Mount::Aligned(pose) => {
+                    local_to_global::<N, O>(at, own, pose, (&mut *to.0, &mut *to.1));
+                    *to.1 = ximat[b];
+                }
             }
+        },
+    );
+    for g in 0..n {
+        if whole || read[g] {
+            let to = (&mut geom_xpos[g], &mut geom_xmat[g]);
+            seat(bodies[g], &mounts[g], to);
         }
     }
     if !(whole || plan.sites_read) {
         return;
     }
-    for (s, pose) in plan.sites.iter().enumerate() {
-        let b = m.site_bodyid[s];
+    for (s, mount) in plan.sites.iter().enumerate() {
         let to = (&mut f.site_xpos[s], &mut f.site_xmat[s]);
-        local_to_global::<N, O>(at, (&xpos[b], &xquat[b], &xmat[b]), pose, to);
+        seat(m.site_bodyid[s], mount, to);
     }
 }
 

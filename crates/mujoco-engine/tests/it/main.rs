@@ -4,6 +4,7 @@ mod changes;
 mod common;
 mod compiled;
 mod contacts;
+mod frames;
 mod mjcf;
 mod numbers;
 mod rooms;

@@ -36,8 +36,8 @@ const MODELS: [(&str, &str); 13] = [
 ];
 
 /// The built-in models for each of [`Revision::ALL`], compiled on first use.
-static COMPILED: [[OnceLock<Arc<Model>>; 2]; MODELS.len()] =
-    [const { [const { OnceLock::new() }; 2] }; MODELS.len()];
+static COMPILED: [[OnceLock<Arc<Model>>; Revision::ALL.len()]; MODELS.len()] =
+    [const { [const { OnceLock::new() }; Revision::ALL.len()] }; MODELS.len()];
 
 /// The names and the MJCF texts of the built-in models.
 pub fn models() -> impl Iterator<Item = (&'static str, &'static str)> {
@@ -61,7 +61,10 @@ pub fn load(xml_file: &str, revision: Revision) -> Result<Arc<Model>> {
         );
         return Err(Error::argument("xml_file", reason));
     };
-    let compiled = &COMPILED[index][revision as usize];
+    let models = Revision::ALL.iter().zip(&COMPILED[index]);
+    let Some((_, compiled)) = models.into_iter().find(|(known, _)| **known == revision) else {
+        return gym_sim::load(MODELS[index].1.trim_start(), revision);
+    };
     if let Some(model) = compiled.get() {
         return Ok(Arc::clone(model));
     }

@@ -5,7 +5,7 @@ use crate::math::dense::dot_slices;
 use crate::math::spatial::{
     EPS, InTurn, MINVAL, Order, Pairwise, add, cross, norm, rotate, rotate_back, sub,
 };
-use crate::model::{CompiledModel, EqualityType, GeomType, JointType, ObjectType, Revision};
+use crate::model::{CompiledModel, EqualityType, GeomType, JointType, ObjectType};
 use crate::physics::{com_pos, crb, factor_m, kinematics, solve_m, tendon, transmission};
 use crate::{Data, Model, Result};
 
@@ -261,9 +261,10 @@ fn add_equalities(m: &mut CompiledModel, d: &Data) {
         };
         if weld && data[6..10].iter().any(|x| *x != 0.0) {
             let given = [data[6], data[7], data[8], data[9]];
-            let quat = match m.revision {
-                Revision::V3_12 => InTurn::normalize_quat((), given),
-                Revision::V4_0 => Pairwise::normalize_quat((), given),
+            let quat = if m.revision.adds_in_pairs() {
+                Pairwise::normalize_quat((), given)
+            } else {
+                InTurn::normalize_quat((), given)
             };
             data[6..10].copy_from_slice(&quat);
             continue;
@@ -275,9 +276,10 @@ fn add_equalities(m: &mut CompiledModel, d: &Data) {
         if weld {
             let [w, x, y, z] = d.xquat[ids[0]];
             let (back, quat) = ([w, -x, -y, -z], d.xquat[ids[1]]);
-            let pose = match m.revision {
-                Revision::V3_12 => InTurn::mul_quat(back, quat),
-                Revision::V4_0 => Pairwise::mul_quat(back, quat),
+            let pose = if m.revision.adds_in_pairs() {
+                Pairwise::mul_quat(back, quat)
+            } else {
+                InTurn::mul_quat(back, quat)
             };
             data[6..10].copy_from_slice(&pose);
         }
@@ -321,19 +323,18 @@ fn add_actuators(m: &mut CompiledModel, model: &Model, d: &Data) {
         if kp != -bias[1] || bias[2] <= 0.0 {
             continue;
         }
-        let mass = match m.revision {
-            Revision::V3_12 => {
-                let mut mass = 0.0;
-                for (&dof, moment) in columns.iter().zip(moments) {
-                    let square = moment.abs() * moment.abs();
-                    if square > MINVAL {
-                        mass += m.dof_m0[dof] / square;
-                    }
-                }
-                mass
-            }
+        let mass = if m.revision.damps_moved_inertia() {
             // the inertia that the actuator moves
-            Revision::V4_0 => 1.0 / dot_slices(&dense, &solved).max(MINVAL),
+            1.0 / dot_slices(&dense, &solved).max(MINVAL)
+        } else {
+            let mut mass = 0.0;
+            for (&dof, moment) in columns.iter().zip(moments) {
+                let square = moment.abs() * moment.abs();
+                if square > MINVAL {
+                    mass += m.dof_m0[dof] / square;
+                }
+            }
+            mass
         };
         bias[2] = -(bias[2] * 2.0 * (kp * mass).sqrt());
     }

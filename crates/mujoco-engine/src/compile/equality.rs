@@ -1,10 +1,10 @@
 //! Equality constraints.
 
 use super::{named, scalar_joint};
+use crate::Result;
 use crate::mjcf::orientation::unit;
 use crate::mjcf::spec::Spec;
 use crate::model::{CompiledModel, EqualityType, ObjectType};
-use crate::{Result, Revision};
 
 pub(super) fn add_equalities(m: &mut CompiledModel, spec: &Spec) -> Result<()> {
     for equality in &spec.equalities {
@@ -39,7 +39,7 @@ pub(super) fn add_equalities(m: &mut CompiledModel, spec: &Spec) -> Result<()> {
         m.eq_solref.push(equality.solref);
         m.eq_solimp.push(equality.solimp);
         let mut data = equality.data;
-        if kind == EqualityType::Weld && m.revision == Revision::V4_0 {
+        if kind == EqualityType::Weld && m.revision.normalizes_weld_poses() {
             // MuJoCo 3.12 normalises the relative pose later, as in a step
             let pose = unit([data[6], data[7], data[8], data[9]]).0;
             data[6..10].copy_from_slice(&pose);

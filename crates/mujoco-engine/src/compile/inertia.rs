@@ -201,13 +201,14 @@ pub(super) fn principal_axes_within(
     const QUARTER_TURN: f64 = 0.707106781186548;
     let full = [xx, xy, xz, xy, yy, yz, xz, yz, zz];
     let largest = full.iter().fold(0.0, |most, x| f64::max(most, x.abs()));
-    let (least, rising) = match revision {
-        Revision::V3_12 => (EIG_EPS, EIG_EPS),
+    let (least, rising) = if revision.turns_by_half_tangent() {
         // a number equal to the limit counts as small
-        Revision::V4_0 => (
+        (
             (rest * largest).next_up(),
             f64::max(rest, EIG_EPS) * largest,
-        ),
+        )
+    } else {
+        (EIG_EPS, EIG_EPS)
     };
     let mut quat = IDENTITY;
     let mut moments = [0.0; 3];
@@ -234,24 +235,21 @@ pub(super) fn principal_axes_within(
         } else {
             -1.0 / (root - tau)
         };
-        let (cos, sin) = match revision {
-            Revision::V3_12 => {
-                let cos = 1.0 / (1.0 + tan * tan).sqrt();
-                if cos > 1.0 - EIG_EPS {
-                    break;
-                }
-                let sin = (0.5 - 0.5 * cos).sqrt();
-                ((1.0 - sin * sin).sqrt(), sin.copysign(tan))
+        let (cos, sin) = if revision.turns_by_half_tangent() {
+            let tan = tan / (1.0 + (1.0 + tan * tan).sqrt());
+            let cos = 1.0 / (1.0 + tan * tan).sqrt();
+            (cos, tan * cos)
+        } else {
+            let cos = 1.0 / (1.0 + tan * tan).sqrt();
+            if cos > 1.0 - EIG_EPS {
+                break;
             }
-            Revision::V4_0 => {
-                let tan = tan / (1.0 + (1.0 + tan * tan).sqrt());
-                let cos = 1.0 / (1.0 + tan * tan).sqrt();
-                (cos, tan * cos)
-            }
+            let sin = (0.5 - 0.5 * cos).sqrt();
+            ((1.0 - sin * sin).sqrt(), sin.copysign(tan))
         };
         let mut turn = [cos, 0.0, 0.0, 0.0];
         turn[axis + 1] = if axis == 1 { sin } else { -sin };
-        if revision == Revision::V3_12 {
+        if !revision.turns_by_half_tangent() {
             turn = unit(turn).0;
         }
         quat = unit(compose(quat, turn)).0;

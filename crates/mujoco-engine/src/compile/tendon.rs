@@ -1,10 +1,10 @@
 //! Tendons and their paths.
 
 use super::{named, scalar_joint};
+use crate::Result;
 use crate::mjcf::spec::{Spec, Wrap};
 use crate::mjcf::xml::Place;
 use crate::model::{CompiledModel, GeomType, ObjectType, WrapType};
-use crate::{Result, Revision};
 
 pub(super) fn add_tendons(m: &mut CompiledModel, spec: &Spec) -> Result<()> {
     for tendon in &spec.tendons {
@@ -20,7 +20,7 @@ pub(super) fn add_tendons(m: &mut CompiledModel, spec: &Spec) -> Result<()> {
         let limited = |stated, range, names| super::limited(stated, range, spec, place, names);
         let of_range = limited(tendon.limited, tendon.range, ["range", "limited"])?;
         // before 4.0, a force range without `limited` does not limit the force
-        let old = spec.revision == Revision::V3_12;
+        let old = !spec.revision.limits_by_force_range();
         let stated = tendon.force_limited.unwrap_or(old.then_some(false));
         let names = ["actuatorfrcrange", "actuatorfrclimited"];
         let force_limited = limited(stated, tendon.force_range, names)?;

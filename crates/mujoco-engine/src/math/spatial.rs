@@ -201,12 +201,11 @@ pub(crate) trait Order {
     }
 }
 
-/// Adds the terms from first to last: [`Revision::V3_12`](crate::Revision::V3_12), and the model
-/// compiler in every revision.
+/// Adds the terms from first to last: before 4.0, and the model compiler in every revision.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct InTurn;
 
-/// Adds the terms in pairs: [`Revision::V4_0`](crate::Revision::V4_0).
+/// Adds the terms in pairs: from 4.0 on.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Pairwise;
 

@@ -160,7 +160,7 @@ impl Classes {
     /// by a fitting `general`; in 3.12 an element takes the parameters of every other kind.
     pub(crate) fn actuator(&self, class: usize, kind: &str, revision: Revision) -> Actuator {
         let mut actuator = self.all[class].actuator.clone();
-        if revision == Revision::V4_0 && kind != "general" {
+        if revision.classes_by_kind() && kind != "general" {
             let outwards = std::iter::successors(Some(class), |&class| self.all[class].parent);
             let mut classes = outwards.map(|class| &self.all[class].actuator);
             let fitting = classes.find(|actuator| actuator.fits(kind));

@@ -6,6 +6,7 @@
 
 mod actuators;
 pub(crate) mod bounds;
+mod changes;
 mod constraints;
 mod frames;
 mod kinds;

@@ -2,7 +2,7 @@
 
 use super::plan::Plan;
 use super::{CompiledModel, Cone, Disable, GeomType, Softness};
-use crate::{Error, Result, Revision};
+use crate::{Error, Result};
 
 /// Smaller friction is raised to this value: MuJoCo's `mjMINMU`.
 const MIN_FRICTION: f64 = 1e-5;
@@ -177,7 +177,7 @@ impl Plan {
         let margin = includemargin + figures.gap;
         let columns = self.columns(m, b1, b2);
         // 4.0 has no constraint where no degree of freedom moves one body relative to the other
-        let fixed = columns.is_empty() && m.revision == Revision::V4_0;
+        let fixed = columns.is_empty() && m.revision.drops_rigid_pairs();
         let tree = |b: usize| usize::try_from(m.body_treeid[b]).ok().filter(|_| !fixed);
         let softness = Softness::new(solref, solimp, &m.opt);
         let friction_damping = if solref_friction == [0.0; 2] {

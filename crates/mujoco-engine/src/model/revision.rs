@@ -7,23 +7,27 @@ use serde::{Deserialize, Serialize};
 
 /// The version of libmujoco whose results the engine repeats.
 ///
-/// Versions with equal results share a revision, and each version's name selects it. Revisions
-/// differ in the order of sums in quaternion functions, the principal axes that the compiler finds,
-/// contacts of capsules with capsules and cylinders, Newton's linear solver, the stopping rule of
-/// projected Gauss-Seidel, and Runge-Kutta with free joints.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
+/// Versions with equal results share a revision, and each version's name selects it. A later
+/// revision is greater; `changes.rs` lists what changed.
+#[derive(
+    Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize,
+)]
 #[serde(try_from = "String", into = "String")]
 #[non_exhaustive]
 pub enum Revision {
     /// 3.11, 3.12 and 3.13.
     V3_12,
+    /// 3.17.
+    V3_17,
     /// 4.0.
     #[default]
     V4_0,
+    /// 4.0.1.
+    V4_0_1,
 }
 
 impl Revision {
-    /// All revisions, the oldest first.
+    /// The revisions that the engine repeats, the oldest first.
     pub const ALL: [Self; 2] = [Self::V3_12, Self::V4_0];
 
     /// The name, such as `4.0`.
@@ -37,7 +41,9 @@ impl Revision {
     pub fn versions(self) -> &'static [&'static str] {
         match self {
             Self::V3_12 => &["3.12", "3.11", "3.13", "3.11.0", "3.12.0", "3.13.0"],
+            Self::V3_17 => &["3.17", "3.17.0"],
             Self::V4_0 => &["4.0", "4.0.0", "4.0.1"],
+            Self::V4_0_1 => &["4.0.1"],
         }
     }
 }

@@ -9,7 +9,7 @@ use crate::math::spatial::{
     translation,
 };
 use crate::model::{Equality, EqualityType, JointType, ObjectType};
-use crate::{Data, Model, Revision};
+use crate::{Data, Model};
 
 /// Subtracts `Jdot v` from the reference accelerations.
 #[inline(never)]
@@ -31,9 +31,10 @@ pub(super) fn subtract(m: &Model, d: &mut Data) {
         }
         if weld {
             let turning = sub(first.1, second.1);
-            let bias = match m.revision {
-                Revision::V3_12 => turned::<InTurn>(m, d, constraint, turning),
-                Revision::V4_0 => turned::<Pairwise>(m, d, constraint, turning),
+            let bias = if m.revision.adds_in_pairs() {
+                turned::<Pairwise>(m, d, constraint, turning)
+            } else {
+                turned::<InTurn>(m, d, constraint, turning)
             };
             for (aref, bias) in d.efc.aref[row + 3..row + 6].iter_mut().zip(bias) {
                 *aref -= bias;

@@ -5,7 +5,7 @@ use super::passive::stretch;
 use crate::math::dense::dot_slices;
 use crate::math::spatial::{InTurn, Order, Pairwise, Vec3, dot, norm, sub};
 use crate::model::{Disable, JointType};
-use crate::{Data, Model, Revision};
+use crate::{Data, Model};
 
 /// The potential energy of gravity and springs: MuJoCo's `mj_energyPos`.
 pub(super) fn potential(m: &Model, d: &Data) -> f64 {
@@ -45,9 +45,10 @@ fn turn(m: &Model, d: &Data, p: usize) -> f64 {
     }
     let quat = |q: &[f64]| [q[p], q[p + 1], q[p + 2], q[p + 3]];
     let (now, rest) = (quat(&d.qpos), quat(&m.qpos_spring));
-    match m.revision {
-        Revision::V3_12 => angle::<InTurn>(now, rest),
-        Revision::V4_0 => angle::<Pairwise>(now, rest),
+    if m.revision.adds_in_pairs() {
+        angle::<Pairwise>(now, rest)
+    } else {
+        angle::<InTurn>(now, rest)
     }
 }
 

@@ -77,34 +77,31 @@ pub(super) fn moment_of(size: Vec3, k: usize) -> f64 {
 /// Kutta lift, and the factor from `normal x velocity` to the circulation.
 fn projection(revision: Revision, v: Vec3, size: Vec3) -> (f64, (Vec3, f64)) {
     let faces = |[x, y, z]: Vec3| [y * z, z * x, x * y];
-    match revision {
-        Revision::V3_12 => {
-            let faces = faces(size);
-            let below = fourth(faces[0]) * square(v[0])
-                + fourth(faces[1]) * square(v[1])
-                + fourth(faces[2]) * square(v[2]);
-            let above = square(faces[0] * v[0]) + square(faces[1] * v[1]) + square(faces[2] * v[2]);
-            let area = PI * (below / above.max(MINVAL)).sqrt();
-            let normal = std::array::from_fn(|k| square(faces[k]) * v[k]);
-            (area, (normal, above / (norm(v) * below).max(MINVAL)))
-        }
-        Revision::V4_0 => {
-            // computed from the direction alone, for an ellipsoid whose longest semi-axis is 1
-            let inverse = |x: f64| if x > MINVAL { 1.0 / x } else { 0.0 };
-            let most = size[0].max(size[1]).max(size[2]);
-            let scaled = scale(size, inverse(most));
-            let weights = faces(scaled).map(square);
-            let along = scale(v, inverse(norm(v)));
-            let above = weights[0] * along[0] * along[0]
-                + weights[1] * along[1] * along[1]
-                + weights[2] * along[2] * along[2];
-            let weights = scale(weights, inverse(above));
-            let term = |k: usize| along[k] * square(weights[k]) * along[k];
-            let below = term(0) + term(1) + term(2);
-            let area = PI * most * most * (above * below).sqrt();
-            let normal = std::array::from_fn(|k| weights[k] * along[k]);
-            (area, (normal, inverse(below)))
-        }
+    if revision.scales_ellipsoids() {
+        // computed from the direction alone, for an ellipsoid whose longest semi-axis is 1
+        let inverse = |x: f64| if x > MINVAL { 1.0 / x } else { 0.0 };
+        let most = size[0].max(size[1]).max(size[2]);
+        let scaled = scale(size, inverse(most));
+        let weights = faces(scaled).map(square);
+        let along = scale(v, inverse(norm(v)));
+        let above = weights[0] * along[0] * along[0]
+            + weights[1] * along[1] * along[1]
+            + weights[2] * along[2] * along[2];
+        let weights = scale(weights, inverse(above));
+        let term = |k: usize| along[k] * square(weights[k]) * along[k];
+        let below = term(0) + term(1) + term(2);
+        let area = PI * most * most * (above * below).sqrt();
+        let normal = std::array::from_fn(|k| weights[k] * along[k]);
+        (area, (normal, inverse(below)))
+    } else {
+        let faces = faces(size);
+        let below = fourth(faces[0]) * square(v[0])
+            + fourth(faces[1]) * square(v[1])
+            + fourth(faces[2]) * square(v[2]);
+        let above = square(faces[0] * v[0]) + square(faces[1] * v[1]) + square(faces[2] * v[2]);
+        let area = PI * (below / above.max(MINVAL)).sqrt();
+        let normal = std::array::from_fn(|k| square(faces[k]) * v[k]);
+        (area, (normal, above / (norm(v) * below).max(MINVAL)))
     }
 }
 
@@ -126,9 +123,9 @@ fn drag(
 
     let speed = norm(v);
     let (area, (surface, cos)) = projection(revision, v, size);
-    let kutta = match revision {
-        Revision::V3_12 => kutta * density * cos * area,
-        Revision::V4_0 => area * (density * kutta * cos),
+    let kutta = match revision.scales_ellipsoids() {
+        true => area * (density * kutta * cos),
+        false => kutta * density * cos * area,
     };
     let kutta = cross(cross(surface, v).map(|x| x * kutta), v);
 

@@ -8,7 +8,7 @@ use super::implicit::Mat6;
 use crate::math::spatial::{
     MINVAL, Mat3, Vec3, Vec6, column, cross, dot, rotate, rotate_back, sub,
 };
-use crate::{Data, Model, Revision};
+use crate::{Data, Model};
 
 /// The equations of a free body.
 #[derive(Clone, Debug)]
@@ -98,12 +98,13 @@ fn gyroscopic(m: &Model, d: &Data, body: usize, first: usize) -> ([Vec3; 3], [Ve
         [0, 1, 2].map(|k| row[k] * inertia[k])
     });
     let [xx, yy, zz, xy, xz, yz, ..] = d.cinert[body];
-    let inertia: Mat3 = match m.revision {
-        Revision::V3_12 => std::array::from_fn(|n| {
+    let inertia: Mat3 = if m.revision.takes_inertia_of_com() {
+        [xx, xy, xz, xy, yy, yz, xz, yz, zz]
+    } else {
+        std::array::from_fn(|n| {
             let (i, j) = (n / 3, n % 3);
             dot(scaled[i.min(j)], row(frame, i.max(j)))
-        }),
-        Revision::V4_0 => [xx, xy, xz, xy, yy, yz, xz, yz, zz],
+        })
     };
     let (moves, momentum) = (cross(w, s), rotate(&inertia, w));
     let along = w[0] * s[0] + w[1] * s[1] + w[2] * s[2];

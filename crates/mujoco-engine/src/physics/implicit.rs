@@ -9,7 +9,7 @@ use super::{fluid_slopes, muscle};
 use crate::math::dense::dot_sparse;
 use crate::math::spatial::{Vec6, dot6, mul_inertia};
 use crate::model::{BiasType, Disable, GainType, Integrator, JointType, TransmissionType};
-use crate::{Data, Model, Revision};
+use crate::{Data, Model};
 
 pub(super) type Mat6 = [[f64; 6]; 6];
 
@@ -194,7 +194,7 @@ fn actuators(m: &Model, d: &Data, add: &mut impl FnMut(usize, usize, f64)) {
         if m.actuator_forcelimited[i] && (force <= low || force >= high) {
             continue;
         }
-        if m.revision == Revision::V4_0 && saturated(m, d, i) {
+        if m.revision.derives_clamped_controls() && saturated(m, d, i) {
             continue;
         }
         let mut slope = 0.0;
@@ -205,11 +205,14 @@ fn actuators(m: &Model, d: &Data, add: &mut impl FnMut(usize, usize, f64)) {
         if gain != 0.0 {
             slope += gain
                 * match usize::try_from(m.actuator_actadr[i]) {
-                    Err(_) => match m.revision {
-                        // MuJoCo 3.12 ignores the range of the control here
-                        Revision::V3_12 => d.ctrl[i],
-                        Revision::V4_0 => d.work.ctrl[i],
-                    },
+                    Err(_) => {
+                        if m.revision.derives_clamped_controls() {
+                            d.work.ctrl[i]
+                        } else {
+                            // MuJoCo 3.12 ignores the range of the control here
+                            d.ctrl[i]
+                        }
+                    }
                     Ok(adr) if m.actuator_actearly[i] => next(m, d, i, adr, d.act_dot[adr]),
                     Ok(adr) => d.act[adr],
                 };

@@ -9,7 +9,7 @@ use crate::math::libm::{self, wide};
 use crate::math::number::Number;
 use crate::math::spatial::{InTurn, Order, Pairwise, Vec3, add_scaled, cross, dot, scale};
 use crate::model::{Integrator, JointType};
-use crate::{Data, Model, Revision};
+use crate::{Data, Model};
 
 /// Advances positions by the velocities times `dt`: MuJoCo's `mj_integratePos`.
 pub fn integrate_pos(m: &Model, qpos: &mut [f64], qvel: &[f64], dt: f64) {
@@ -47,9 +47,10 @@ pub(super) fn integrate_pos_of<N: Number>(
                 #[inline(always)]
                 |k| N::get(at, &qvel[v + k]),
             );
-            let turned = match m.revision {
-                Revision::V3_12 => InTurn::quat_integrate(at, quat, velocity, dt),
-                Revision::V4_0 => Pairwise::quat_integrate(at, quat, velocity, dt),
+            let turned = if m.revision.adds_in_pairs() {
+                Pairwise::quat_integrate(at, quat, velocity, dt)
+            } else {
+                InTurn::quat_integrate(at, quat, velocity, dt)
             };
             for (x, q) in turned.into_iter().zip(&mut qpos[p..p + 4]) {
                 x.put(at, q);
@@ -140,7 +141,7 @@ pub fn runge_kutta(m: &Model, d: &mut Data) {
         d.work.act_start.copy_from_slice(&d.act);
         d.work.act_sum.fill(0.0);
     }
-    let turns = m.revision == Revision::V4_0
+    let turns = m.revision.turns_by_stages()
         && (m.jnt_type.iter()).any(|kind| matches!(kind, JointType::Free | JointType::Ball));
     // the time from the start to the current stage
     let mut way = 0.0;
@@ -186,7 +187,7 @@ pub fn runge_kutta(m: &Model, d: &mut Data) {
     integrate_pos(m, &mut d.qpos, &d.work.vel_sum, dt);
     d.time = start + dt;
     d.qacc_warmstart.copy_from_slice(&d.qacc);
-    if m.revision == Revision::V4_0 {
+    if m.revision.turns_by_stages() {
         d.qacc.copy_from_slice(&d.work.acc_sum);
     }
 }

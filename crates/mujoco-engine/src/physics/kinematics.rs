@@ -5,7 +5,7 @@ use crate::math::spatial::{
     InTurn, Order, Pairwise, add, add_scaled, axis_angle, rotate, rotate_quat, sub,
 };
 use crate::model::{Base, JointType, Mount, Pose};
-use crate::{Data, Model, Revision};
+use crate::{Data, Model};
 
 /// The arrays that this stage reads and writes, of one world or of several.
 pub(crate) struct Frames<'a, C> {
@@ -62,9 +62,10 @@ pub(crate) fn kinematics_of<N: Number>(
     frames: Frames<'_, N::Cell>,
     whole: bool,
 ) {
-    match m.revision {
-        Revision::V3_12 => in_order::<N, InTurn>(m, place, frames, whole),
-        Revision::V4_0 => in_order::<N, Pairwise>(m, place, frames, whole),
+    if m.revision.adds_in_pairs() {
+        in_order::<N, Pairwise>(m, place, frames, whole);
+    } else {
+        in_order::<N, InTurn>(m, place, frames, whole);
     }
 }
 

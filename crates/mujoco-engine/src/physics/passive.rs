@@ -10,7 +10,7 @@ use crate::math::spatial::{
     translation, velocity_at,
 };
 use crate::model::JointType;
-use crate::{Data, Model, Revision};
+use crate::{Data, Model};
 
 /// Computes `qfrc_passive`: springs, dampers, fluid, then gravity compensation: MuJoCo's
 /// `mj_passive`.
@@ -75,9 +75,10 @@ pub(in crate::physics) fn damper_force<N: Number>(at: N::At, velocity: N, dampin
 fn turned_spring(m: &Model, d: &mut Data, p: usize, i: usize, stiffness: f64) {
     let quat = |q: &[f64]| [q[p], q[p + 1], q[p + 2], q[p + 3]];
     let (now, rest) = (quat(&d.qpos), quat(&m.qpos_spring));
-    let turned = match m.revision {
-        Revision::V3_12 => InTurn::sub_quat(InTurn::normalize_quat((), now), rest),
-        Revision::V4_0 => Pairwise::sub_quat(Pairwise::normalize_quat((), now), rest),
+    let turned = if m.revision.adds_in_pairs() {
+        Pairwise::sub_quat(Pairwise::normalize_quat((), now), rest)
+    } else {
+        InTurn::sub_quat(InTurn::normalize_quat((), now), rest)
     };
     for (force, turned) in d.qfrc_passive[i..i + 3].iter_mut().zip(turned) {
         *force += turned * -stiffness;

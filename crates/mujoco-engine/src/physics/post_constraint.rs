@@ -10,7 +10,7 @@ use crate::math::spatial::{
     Vec3, add_to, cross, cross_force, join, mul_inertia, rotate_back, scale, sub,
 };
 use crate::model::EqualityType;
-use crate::{Contact, Data, Model, Revision};
+use crate::{Contact, Data, Model};
 
 /// Computes `cfrc_ext` from the contacts of the last forward call, then `cacc` and `cfrc_int`:
 /// MuJoCo's `mj_rnePostConstraint`.
@@ -18,7 +18,7 @@ pub fn rne_post_constraint(m: &Model, d: &mut Data) {
     d.contact_forces = true;
     contacts(m, d);
     equalities(m, d);
-    if m.revision == Revision::V4_0 {
+    if m.revision.shows_tendon_forces() {
         tendons(m, d);
     }
     if m.plan().internal {
@@ -95,7 +95,7 @@ fn equalities(m: &Model, d: &mut Data) {
         let three = |first: usize| -> Vec3 { std::array::from_fn(|k| d.efc.force[first + k]) };
         let force = three(block.row);
         let torque = if weld { three(block.row + 3) } else { [0.0; 3] };
-        let torque = if weld && m.revision == Revision::V4_0 {
+        let torque = if weld && m.revision.turns_weld_torques() {
             rows::weld_torque(m, d, constraint, torque)
         } else {
             torque

@@ -12,7 +12,7 @@ use crate::math::spatial::{
 };
 use crate::model::{Disable, ObjectType, SensorType, Stage};
 use crate::physics::constraint::Source;
-use crate::{Contact, Data, Model, Revision};
+use crate::{Contact, Data, Model};
 
 /// Computes `sensordata` of the sensors of `stages`: MuJoCo's `mj_sensorPos`, `mj_sensorVel` and
 /// `mj_sensorAcc`.
@@ -44,10 +44,13 @@ pub(super) fn sensors(m: &Model, d: &mut Data, stages: &[Stage]) {
             continue;
         }
         let numbers = match stage {
-            Stage::Position => match m.revision {
-                Revision::V3_12 => of_position::<InTurn>(m, d, i),
-                Revision::V4_0 => of_position::<Pairwise>(m, d, i),
-            },
+            Stage::Position => {
+                if m.revision.adds_in_pairs() {
+                    of_position::<Pairwise>(m, d, i)
+                } else {
+                    of_position::<InTurn>(m, d, i)
+                }
+            }
             Stage::Velocity => of_velocity(m, d, i),
             Stage::Acceleration => of_acceleration(m, d, i),
         };
@@ -319,7 +322,7 @@ fn of_object(
 /// The acceleration of an object: MuJoCo's `mj_objectAcceleration`. From 4.0 on, the acceleration
 /// includes gravity for static bodies too.
 fn object_acceleration(m: &Model, d: &Data, kind: ObjectType, id: usize, own_axes: bool) -> Vec6 {
-    if m.revision == Revision::V3_12 && fixed(m, frame_of(m, d, kind, id).0) {
+    if !m.revision.accelerates_fixed_bodies() && fixed(m, frame_of(m, d, kind, id).0) {
         return [0.0; 6];
     }
     let acceleration = of_object(m, d, &d.cacc, (kind, id), own_axes);

@@ -9,7 +9,7 @@ use crate::math::spatial::{
     rotation, sub,
 };
 use crate::model::{Disable, JointType, TransmissionType};
-use crate::{Data, Model, Revision};
+use crate::{Data, Model};
 
 /// The moment arms of the actuators: each actuator has a sparse row over the degrees of freedom
 /// that the actuator moves.
@@ -56,9 +56,10 @@ pub fn transmission(m: &Model, d: &mut Data) {
     moments.clear();
     for i in 0..m.nu() {
         let first = moments.values.len();
-        d.actuator_length[i] = match m.revision {
-            Revision::V3_12 => length::<InTurn>(m, d, i, &mut moments),
-            Revision::V4_0 => length::<Pairwise>(m, d, i, &mut moments),
+        d.actuator_length[i] = if m.revision.adds_in_pairs() {
+            length::<Pairwise>(m, d, i, &mut moments)
+        } else {
+            length::<InTurn>(m, d, i, &mut moments)
         };
         moments.rows.push(first..moments.values.len());
     }
@@ -185,10 +186,11 @@ fn between_sites<O: Order>(
     if used(turn) {
         let quat = |s: usize| {
             let (own, body) = (m.site_quat[s], d.xquat[m.site_bodyid[s]]);
-            match m.revision {
+            if m.revision.refers_to_world() {
+                O::mul_quat(body, own)
+            } else {
                 // 3.12 multiplies in the wrong order
-                Revision::V3_12 => O::mul_quat(own, body),
-                Revision::V4_0 => O::mul_quat(body, own),
+                O::mul_quat(own, body)
             }
         };
         length += dot(O::sub_quat(quat(site), quat(reference)), turn);

@@ -45,9 +45,10 @@ pub(super) fn wrap(
         Some(side) if norm(side) < geom.radius => inside(ends, geom.radius, revision)?,
         _ => {
             let side = side.map(|side| unit(flat(side)).map(|x| x * geom.radius));
-            match revision {
-                Revision::V3_12 => circle(ends, side, geom.radius)?,
-                Revision::V4_0 => circle_4_0(ends, side, geom.radius)?,
+            if revision.winds_past_side() {
+                circle_4_0(ends, side, geom.radius)?
+            } else {
+                circle(ends, side, geom.radius)?
             }
         }
     };
@@ -271,10 +272,10 @@ fn inside(ends: [Vec2; 2], radius: f64, revision: Revision) -> Option<(f64, [Vec
     let (a, b) = (radius / len0, radius / len1);
     let first = e0[0] * e1[1] - e0[1] * e1[0] > 0.0;
     let (from, part) = if first { (e0, a) } else { (e1, b) };
-    let turn = match revision {
+    let turn = match revision.winds_past_side() {
         _ if cos > 1.0 - MINVAL => None,
-        Revision::V3_12 => turn_3_12([a, b], libm::acos(cos), part),
-        Revision::V4_0 => turn_4_0([a, b], libm::acos(cos), part),
+        false => turn_3_12([a, b], libm::acos(cos), part),
+        true => turn_4_0([a, b], libm::acos(cos), part),
     };
     let point = if let Some(turn) = turn {
         let [u, v] = unit(from);

@@ -145,7 +145,7 @@ impl Mesh {
         revision: Revision,
     ) -> Result<Self, MeshError> {
         let right_handed = options.scale[0] * options.scale[1] * options.scale[2] > 0.0;
-        if source.format == Some(Format::Msh) && !right_handed && revision == Revision::V3_12 {
+        if source.format == Some(Format::Msh) && !right_handed && !revision.turns_mirrored_hulls() {
             // 3.12 turns these faces here and once more below
             turn(source.faces.as_chunks_mut().0);
         }
@@ -201,7 +201,7 @@ impl Mesh {
             turn(&mut faces);
             turn(face_normals.as_chunks_mut().0);
             turn(face_texture.as_chunks_mut().0);
-            if revision != Revision::V3_12 {
+            if revision.turns_mirrored_hulls() {
                 // 3.12 leaves the hull inside out
                 turn(graph.as_mut().map_or(&mut [], |graph| &mut graph.faces));
                 turn(&mut hull_faces);
@@ -390,25 +390,22 @@ fn inertia_box(moments: Vec3, volume: f64) -> Result<Vec3, MeshError> {
 /// method; found by experiment).
 fn polygon_normal(points: &[Vec3], corners: &[i32], revision: Revision) -> Vec3 {
     let corner = |i: usize| points[corners[i % corners.len()] as usize];
-    let normal = match revision {
-        Revision::V3_12 => {
-            let [a, b, c] = [0, 1, 2].map(corner);
-            cross(
-                [0, 1, 2].map(|k| b[k] - a[k]),
-                [0, 1, 2].map(|k| c[k] - a[k]),
-            )
-        }
-        Revision::V4_0 => {
-            let mut sum = [0.0; 3];
-            for i in 0..corners.len() {
-                let (a, b) = (corner(i), corner(i + 1));
-                for (k, sum) in sum.iter_mut().enumerate() {
-                    let (y, z) = ((k + 1) % 3, (k + 2) % 3);
-                    *sum += (a[y] - b[y]) * (a[z] + b[z]);
-                }
+    let normal = if revision.newell_normals() {
+        let mut sum = [0.0; 3];
+        for i in 0..corners.len() {
+            let (a, b) = (corner(i), corner(i + 1));
+            for (k, sum) in sum.iter_mut().enumerate() {
+                let (y, z) = ((k + 1) % 3, (k + 2) % 3);
+                *sum += (a[y] - b[y]) * (a[z] + b[z]);
             }
-            sum
         }
+        sum
+    } else {
+        let [a, b, c] = [0, 1, 2].map(corner);
+        cross(
+            [0, 1, 2].map(|k| b[k] - a[k]),
+            [0, 1, 2].map(|k| c[k] - a[k]),
+        )
     };
     let length = dot(normal, normal).sqrt();
     if length < EPS {

@@ -223,7 +223,7 @@ impl Line<'_> {
         [vertices, texture, normals]: [usize; 3],
         revision: Revision,
     ) -> Result<Corner, &'static str> {
-        let optional = revision != Revision::V3_12;
+        let optional = revision.takes_corner_zero();
         let mut corner = Corner {
             vertex: self.index(vertices, false)?,
             texture: -1,

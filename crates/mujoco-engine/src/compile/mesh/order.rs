@@ -9,15 +9,14 @@ use crate::Revision;
 pub(super) fn hash(first: f64, second: f64, revision: Revision) -> u64 {
     let bits = |x: f64| if x == 0.0 { 0 } else { x.to_bits() };
     let (first, second) = (bits(first), bits(second));
-    match revision {
-        Revision::V3_12 => first ^ second,
-        Revision::V4_0 => {
-            first
-                ^ second
-                    .wrapping_add(0x9e37_79b9)
-                    .wrapping_add(first << 6)
-                    .wrapping_add(first >> 2)
-        }
+    if revision.mixes_hashes() {
+        first
+            ^ second
+                .wrapping_add(0x9e37_79b9)
+                .wrapping_add(first << 6)
+                .wrapping_add(first >> 2)
+    } else {
+        first ^ second
     }
 }
 

@@ -48,7 +48,7 @@ impl Cutter {
                 out.push([a, b, c]);
                 return Ok(());
             }
-            [a, b, c, d] if revision != Revision::V3_12 => {
+            [a, b, c, d] if revision.cuts_quadrilaterals() => {
                 if let [Some(pa), Some(pb), Some(pc), Some(pd)] = [a, b, c, d].map(position) {
                     let shorter = square_distance(pa, pc) < square_distance(pb, pd);
                     out.extend(if shorter {
@@ -88,7 +88,7 @@ impl Cutter {
             let ear = [0, 1, 2].map(|k| rest[(start + k) % n]);
             let [p, q, r] = ear.map(|c| flat(c).unwrap_or([0.0; 2]));
             let cross = (q[0] - p[0]) * (r[1] - q[1]) - (q[1] - p[1]) * (r[0] - q[0]);
-            if revision != Revision::V3_12 {
+            if revision.cuts_quadrilaterals() {
                 area = (p[0] * q[1] - p[1] * q[0]) * 0.5;
             }
             if cross * area < 0.0 {

@@ -151,7 +151,7 @@ impl Group {
     /// The outline of each island, from the oldest edge of the oldest island on.
     fn outlines(&mut self, revision: Revision) -> Vec<Vec<i32>> {
         let edges: Vec<([i32; 2], usize)> = self.edges.iter().flatten().copied().collect();
-        if let ([(a, _), (b, _), (c, _)], Revision::V3_12) = (&edges[..], revision) {
+        if let ([(a, _), (b, _), (c, _)], false) = (&edges[..], revision.joins_single_faces()) {
             return vec![vec![a[0], b[0], c[0]]];
         }
         let mut islands: BTreeMap<usize, Vec<(usize, [i32; 2])>> = BTreeMap::new();

@@ -84,19 +84,19 @@ impl<'a> Solid<'a> {
     }
 }
 
-/// Finds the contacts of two shapes before MuJoCo 4.0: a first contact, and up to four more. For
-/// each further contact, the function rotates both shapes by a small angle about the first contact.
-/// A contact counts if its distance to all others is at least `apart`.
+/// Finds the contacts of two shapes before [`Revision::clips_faces`]: a first contact, and up to
+/// four more. For each further contact, the function rotates both shapes by a small angle
+/// about the first contact. A contact counts if its distance to all others is at least `apart`.
 pub(super) fn contacts(
     a: Solid<'_>,
     b: Solid<'_>,
-    margin: f64,
-    apart: f64,
+    (margin, apart): (f64, f64),
+    revision: Revision,
     polytope: &mut Polytope,
     push: Push<'_>,
 ) {
     let mut one = |a: Solid<'_>, b: Solid<'_>| {
-        one(a, b, margin, Revision::V3_12, polytope).map(|touch| touch.hit(margin))
+        one(a, b, margin, revision, polytope).map(|touch| touch.hit(margin))
     };
     let Some(first) = one(a, b) else {
         return;
@@ -154,20 +154,20 @@ pub(super) fn one(
         }
     };
     let centers = [a.shape.pos, b.shape.pos];
-    let without_margin = revision == Revision::V4_0 && margin > 0.0;
+    let without_margin = revision.shrinks_to_cores() && margin > 0.0;
     if a.radius().is_some() || b.radius().is_some() || without_margin {
         // the distance from each support point to the shape's surface; before 4.0, the support
         // point of a shape without a radius includes the margin
-        let reach = |solid: Solid<'_>| match (solid.radius(), revision) {
-            (Some(radius), Revision::V3_12) => radius + grown,
-            (Some(radius), Revision::V4_0) => grown + radius,
-            (None, Revision::V3_12) => 0.0,
-            (None, Revision::V4_0) => grown,
+        let reach = |solid: Solid<'_>| match (solid.radius(), revision.shrinks_to_cores()) {
+            (Some(radius), false) => radius + grown,
+            (Some(radius), true) => grown + radius,
+            (None, false) => 0.0,
+            (None, true) => grown,
         };
         let reaches = [reach(a), reach(b)];
         let core = |solid: Solid<'_>, direction: Vec3| {
             let point = solid.core(direction);
-            if solid.radius().is_none() && revision == Revision::V3_12 {
+            if solid.radius().is_none() && !revision.shrinks_to_cores() {
                 grow(point, direction)
             } else {
                 point
@@ -296,15 +296,14 @@ pub(super) fn plane_ellipsoid(
 ) {
     let normal = plane.axis();
     let down = scale(normal, -1.0);
-    let lowest = match revision {
-        Revision::V3_12 => {
-            let &Shape { pos, mat, size } = &ellipsoid;
-            let local = rotate_back(mat, down);
-            let on_sphere = normalize(std::array::from_fn(|k| local[k] * size[k])).0;
-            let point = std::array::from_fn(|k| on_sphere[k] * size[k]);
-            add(rotate(mat, point), pos)
-        }
-        Revision::V4_0 => ellipsoid_support(ellipsoid, down),
+    let lowest = if revision.supports_ellipsoids() {
+        ellipsoid_support(ellipsoid, down)
+    } else {
+        let &Shape { pos, mat, size } = &ellipsoid;
+        let local = rotate_back(mat, down);
+        let on_sphere = normalize(std::array::from_fn(|k| local[k] * size[k])).0;
+        let point = std::array::from_fn(|k| on_sphere[k] * size[k]);
+        add(rotate(mat, point), pos)
     };
     let dist = dot(normal, sub(lowest, plane.pos));
     if dist <= margin {

@@ -195,9 +195,10 @@ impl Polytope {
         let [v3, v4, v5] =
             [across, second, third].map(|d| self.insert_furthest(d, norm(d), support));
         let [x1, x2, x3, x4, x5] = [v1, v2, v3, v4, v5].map(|v| self.vertices[v].x);
-        self.center = match self.revision {
-            Revision::V3_12 => scale(add(x1, x2), 0.5),
-            Revision::V4_0 => mean([x1, x2, x3, x4, x5]),
+        self.center = if self.revision.projects_origin() {
+            mean([x1, x2, x3, x4, x5])
+        } else {
+            scale(add(x1, x2), 0.5)
         };
         for (corners, beyond) in [
             ([v1, v3, v4], [1, 3, 2]),
@@ -247,19 +248,16 @@ impl Polytope {
         {
             return None;
         }
-        match self.revision {
-            Revision::V3_12 => {
-                self.center = scale(add(add(a, b), c), 1.0 / 3.0);
-                self.attach_pyramids([v1, v2, v3, v4, v5])
+        if self.revision.projects_origin() {
+            let height = |v: usize| dot(normal, sub(self.vertices[v].x, a));
+            let flat = [height(v4), -height(v5)];
+            if flat.iter().any(|height| *height < length * MINVAL) {
+                return None;
             }
-            Revision::V4_0 => {
-                let height = |v: usize| dot(normal, sub(self.vertices[v].x, a));
-                let flat = [height(v4), -height(v5)];
-                if flat.iter().any(|height| *height < length * MINVAL) {
-                    return None;
-                }
-                self.start_around([v1, v2, v3], [v4, v5])
-            }
+            self.start_around([v1, v2, v3], [v4, v5])
+        } else {
+            self.center = scale(add(add(a, b), c), 1.0 / 3.0);
+            self.attach_pyramids([v1, v2, v3, v4, v5])
         }
     }
 
@@ -389,9 +387,10 @@ impl Polytope {
             let w = self.vertices[vertex].x;
             let bound = dot(direction, w) / lower;
             // from 4.0 on, the search ends by the last bound, before 4.0 by the smallest bound
-            let (last, slack) = match self.revision {
-                Revision::V3_12 => (f64::min(bound, upper), 1e-10),
-                Revision::V4_0 => (bound, TOLERANCE),
+            let (last, slack) = if self.revision.projects_origin() {
+                (bound, TOLERANCE)
+            } else {
+                (f64::min(bound, upper), 1e-10)
             };
             if last - lower < TOLERANCE {
                 return face.filter(|_| iteration > 0 || last >= lower - slack);
@@ -419,7 +418,7 @@ impl Polytope {
                 let square = self.attach([vertex, v2, v1], [last, beyond, next]);
                 if square == 0.0 {
                     // from 4.0 on, a failed expansion returns the face that was found before
-                    return face.filter(|_| self.revision != Revision::V3_12);
+                    return face.filter(|_| self.revision.projects_origin());
                 }
                 if square >= lower_square && square <= upper_square {
                     self.faces[first + i].place = Standing::Candidate(self.candidates.len());
@@ -465,9 +464,10 @@ impl Polytope {
         let (nearest, square) = (self.faces[face].nearest, self.faces[face].square);
         let entry = corners[..2].iter().position(|c| *c == corner).unwrap_or(2);
         // from 4.0 on, the tolerance is relative to distances above 1
-        let least = match self.revision {
-            Revision::V3_12 => MINVAL,
-            Revision::V4_0 => f64::max(MINVAL * square.sqrt(), MINVAL),
+        let least = if self.revision.projects_origin() {
+            f64::max(MINVAL * square.sqrt(), MINVAL)
+        } else {
+            MINVAL
         };
         if dot(nearest, w) - square > least {
             self.remove(face);

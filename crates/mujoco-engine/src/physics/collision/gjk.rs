@@ -73,9 +73,10 @@ pub(super) fn distance(
     revision: Revision,
     support: &impl Fn(Vec3) -> Vertex,
 ) -> Found {
-    match revision {
-        Revision::V3_12 => distance_3_12(centers, reach, support),
-        Revision::V4_0 => distance_4_0(centers, reach, support),
+    if revision.projects_origin() {
+        distance_4_0(centers, reach, revision, support)
+    } else {
+        distance_3_12(centers, reach, revision, support)
     }
 }
 
@@ -99,7 +100,12 @@ fn drop_vertices(simplex: &mut [Vertex; 4], weights: &mut [f64; 4], found: [f64;
 
 /// Before 4.0: the nearest point is the weighted sum of the simplex. If only the overlap matters,
 /// [`contains_origin`] continues from a tetrahedron.
-fn distance_3_12(centers: [Vec3; 2], reach: f64, support: &impl Fn(Vec3) -> Vertex) -> Found {
+fn distance_3_12(
+    centers: [Vec3; 2],
+    reach: f64,
+    revision: Revision,
+    support: &impl Fn(Vec3) -> Vertex,
+) -> Found {
     let (mut simplex, mut weights, mut number) = ([Vertex::default(); 4], [0.0; 4], 0);
     let mut nearest = centers;
     let mut portal = reach == 0.0;
@@ -136,7 +142,7 @@ fn distance_3_12(centers: [Vec3; 2], reach: f64, support: &impl Fn(Vec3) -> Vert
             }
         }
         number += 1;
-        let found = closest(&simplex.map(|v| v.x)[..number], Revision::V3_12);
+        let found = closest(&simplex.map(|v| v.x)[..number], revision);
         number = drop_vertices(&mut simplex, &mut weights, found);
         if number == 0 {
             return Found::beyond();
@@ -172,7 +178,12 @@ fn distance_3_12(centers: [Vec3; 2], reach: f64, support: &impl Fn(Vec3) -> Vert
 /// From 4.0 on: the nearest point of a segment or triangle is the origin's projection, the search
 /// ends by comparison with the least distance so far, and a tetrahedron ends the search: the
 /// expanding polytope continues from there.
-fn distance_4_0(centers: [Vec3; 2], reach: f64, support: &impl Fn(Vec3) -> Vertex) -> Found {
+fn distance_4_0(
+    centers: [Vec3; 2],
+    reach: f64,
+    revision: Revision,
+    support: &impl Fn(Vec3) -> Vertex,
+) -> Found {
     let (mut simplex, mut weights, mut number) = ([Vertex::default(); 4], [0.0; 4], 0);
     let least = if reach > 0.0 { MINVAL } else { TOLERANCE };
     let mut x = sub(centers[0], centers[1]);
@@ -194,7 +205,7 @@ fn distance_4_0(centers: [Vec3; 2], reach: f64, support: &impl Fn(Vec3) -> Verte
             break;
         }
         simplex[number] = vertex;
-        let found = closest(&simplex.map(|v| v.x)[..=number], Revision::V4_0);
+        let found = closest(&simplex.map(|v| v.x)[..=number], revision);
         number = drop_vertices(&mut simplex, &mut weights, found);
         if number == 0 {
             return Found::beyond();
@@ -208,7 +219,7 @@ fn distance_4_0(centers: [Vec3; 2], reach: f64, support: &impl Fn(Vec3) -> Verte
         let [a, b, c] = [0, 1, 2].map(|i| simplex[i].x);
         let projected = match number {
             2 => project_on_line(a, b),
-            3 => project(a, b, c, Revision::V4_0),
+            3 => project(a, b, c, revision),
             _ => None,
         };
         x = projected.unwrap_or_else(|| combine(&simplex, &weights, number, |v| v.x));
@@ -331,7 +342,7 @@ fn same_sign(a: f64, b: f64) -> bool {
 /// first end from 4.0 on, and the second end in earlier versions.
 fn segment(a: Vec3, b: Vec3, revision: Revision) -> [f64; 2] {
     let along = sub(b, a);
-    if revision != Revision::V3_12 && dot(along, along) < LEAST {
+    if revision.projects_origin() && dot(along, along) < LEAST {
         return [0.0, 1.0];
     }
     let nearest = add_scaled(b, along, -(dot(b, along) / dot(along, along)));
@@ -346,7 +357,7 @@ fn segment(a: Vec3, b: Vec3, revision: Revision) -> [f64; 2] {
     let (whole, from_b, from_a) = (a[k] - b[k], nearest[k] - b[k], a[k] - nearest[k]);
     match [from_b, from_a].map(|part| same_sign(whole, part)) {
         [true, true] => [from_b / whole, from_a / whole],
-        [true, false] if revision != Revision::V3_12 => [1.0, 0.0],
+        [true, false] if revision.projects_origin() => [1.0, 0.0],
         _ => [0.0, 1.0],
     }
 }
@@ -367,7 +378,7 @@ pub(super) fn project(a: Vec3, b: Vec3, c: Vec3, revision: Revision) -> Option<V
     }
     let normal = cross(ca, cb);
     let square = dot(normal, normal);
-    let flat = revision != Revision::V3_12 && square == 0.0;
+    let flat = revision.projects_origin() && square == 0.0;
     (!flat).then(|| scale(normal, dot(normal, c) / square))
 }
 
@@ -383,11 +394,12 @@ pub(super) fn weights_at(
     revision: Revision,
 ) -> ([f64; 3], [bool; 3]) {
     let (ab, ac) = (sub(b, a), sub(c, a));
-    let minor = |x: usize, y: usize| match revision {
-        Revision::V3_12 => {
+    let minor = |x: usize, y: usize| {
+        if revision.projects_origin() {
+            ab[x] * ac[y] - ab[y] * ac[x]
+        } else {
             b[x] * c[y] - b[y] * c[x] - a[x] * c[y] + a[y] * c[x] + a[x] * b[y] - a[y] * b[x]
         }
-        Revision::V4_0 => ab[x] * ac[y] - ab[y] * ac[x],
     };
     let minors = [minor(1, 2), minor(0, 2), minor(0, 1)];
     let [m0, m1, m2] = minors.map(f64::abs);
@@ -398,16 +410,18 @@ pub(super) fn weights_at(
     } else {
         (minors[2], 0, 1)
     };
-    let part = |q: Vec3, r: Vec3| match revision {
-        Revision::V3_12 => {
+    let part = |q: Vec3, r: Vec3| {
+        if revision.projects_origin() {
+            (q[x] - p[x]) * (r[y] - p[y]) - (q[y] - p[y]) * (r[x] - p[x])
+        } else {
             p[x] * q[y] + p[y] * r[x] + q[x] * r[y] - p[x] * r[y] - p[y] * q[x] - r[x] * q[y]
         }
-        Revision::V4_0 => (q[x] - p[x]) * (r[y] - p[y]) - (q[y] - p[y]) * (r[x] - p[x]),
     };
     let parts = [part(b, c), part(c, a), part(a, b)];
-    let sum = match revision {
-        Revision::V3_12 => whole,
-        Revision::V4_0 => parts[0] + parts[1] + parts[2],
+    let sum = if revision.projects_origin() {
+        parts[0] + parts[1] + parts[2]
+    } else {
+        whole
     };
     let signs = parts.map(|part| same_sign(whole, part));
     (parts.map(|part| part / sum), signs)
@@ -416,7 +430,7 @@ pub(super) fn weights_at(
 /// The weights of a triangle's corners. If the area is zero, versions before 4.0 use the first
 /// edge, later ones all three edges.
 fn triangle(a: Vec3, b: Vec3, c: Vec3, revision: Revision) -> [f64; 3] {
-    let inside = match (project(a, b, c, revision), revision) {
+    let inside = match (project(a, b, c, revision), revision.projects_origin()) {
         (Some(origin), _) => {
             let (weights, inside) = weights_at([a, b, c], origin, revision);
             if inside == [true; 3] {
@@ -424,8 +438,8 @@ fn triangle(a: Vec3, b: Vec3, c: Vec3, revision: Revision) -> [f64; 3] {
             }
             inside
         }
-        (None, Revision::V3_12) => [true, true, false],
-        (None, Revision::V4_0) => [false; 3],
+        (None, false) => [true, true, false],
+        (None, true) => [false; 3],
     };
     let mut best = ([0.0; 3], f64::MAX);
     let edges = [([b, c], [1, 2]), ([a, c], [0, 2]), ([a, b], [0, 1])];

@@ -40,10 +40,11 @@ pub(super) fn contacts(
     a: Solid<'_>,
     b: Solid<'_>,
     margin: f64,
+    revision: Revision,
     polytope: &mut Polytope,
     push: Push<'_>,
 ) {
-    let Some(touch) = one(a, b, margin, Revision::V4_0, polytope) else {
+    let Some(touch) = one(a, b, margin, revision, polytope) else {
         return;
     };
     let [side, polygon, cut] = &mut polytope.polygons;

@@ -19,7 +19,7 @@ use crate::math::spatial::{
     Mat3, Vec3, add_scaled, column, cross, dot, norm, normalize, sub, unit,
 };
 use crate::model::{Disable, GeomType, Pair, Reach};
-use crate::{Contact, Data, Model, Revision};
+use crate::{Contact, Data, Model};
 pub(in crate::physics) use bounds::{Frame, ROUNDING};
 pub(crate) use epa::Polytope;
 pub(super) use primitive::above_plane;
@@ -126,17 +126,15 @@ pub(in crate::physics) fn touch(
         (first, second) => {
             let [a, b] =
                 [(first, a), (second, b)].map(|(kind, shape)| convex::Solid { kind, shape });
-            match m.revision {
-                revision if m.opt.disables(Disable::MultiCcd) => {
-                    if let Some(touch) = convex::one(a, b, margin, revision, polytope) {
-                        push(touch.hit(margin));
-                    }
+            if m.opt.disables(Disable::MultiCcd) {
+                if let Some(touch) = convex::one(a, b, margin, m.revision, polytope) {
+                    push(touch.hit(margin));
                 }
-                Revision::V3_12 => {
-                    let apart = 1e-3 * m.geom_rbound[pair.geom[0]].min(m.geom_rbound[pair.geom[1]]);
-                    convex::contacts(a, b, margin, apart, polytope, push);
-                }
-                Revision::V4_0 => manifold::contacts(a, b, margin, polytope, push),
+            } else if m.revision.clips_faces() {
+                manifold::contacts(a, b, margin, m.revision, polytope, push);
+            } else {
+                let apart = 1e-3 * m.geom_rbound[pair.geom[0]].min(m.geom_rbound[pair.geom[1]]);
+                convex::contacts(a, b, (margin, apart), m.revision, polytope, push);
             }
         }
     }

@@ -124,9 +124,10 @@ pub(super) fn capsule_capsule(
         let hit = spheres(c1, a.size[0], c2, b.size[0], (a.axis(), b.axis()), margin);
         hit.map(&mut *push).is_some()
     };
-    match revision {
-        Revision::V3_12 => segments_about_centres(a, b, &mut test),
-        Revision::V4_0 => segments_between_ends(a, b, &mut test),
+    if revision.tests_capsule_ends() {
+        segments_between_ends(a, b, &mut test);
+    } else {
+        segments_about_centres(a, b, &mut test);
     }
 }
 

@@ -13,10 +13,10 @@ use gym_numerics::math::{Lanes, Real};
 use super::rows::{Rows, worlds};
 use super::tree::{cholesky, cholesky_solve, cholesky_update, dot, multiply, solve};
 use super::{Arrays, At, PerWorld, WORLDS, load, same, store};
+use crate::Model;
 use crate::math::spatial::MINVAL;
 use crate::model::{Disable, Solver};
 use crate::physics::solver::line_search;
-use crate::{Model, Revision};
 
 type Mask<S> = <Lanes<S> as Real>::Mask;
 
@@ -346,7 +346,7 @@ impl Newton {
     fn direction<S: Simd>(&mut self, m: &Model, at: At<S>, control: &mut Control) -> bool {
         let n = m.nv();
         self.mgrad.copy_from_slice(&self.grad);
-        let descending = m.revision == Revision::V4_0;
+        let descending = m.revision.substitutes_by_columns();
         cholesky_solve(at, n, &self.hessian, &mut self.mgrad, descending);
         if control.iteration == m.opt.iterations {
             return false;

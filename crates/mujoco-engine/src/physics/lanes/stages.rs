@@ -4,6 +4,7 @@ use fearless_simd::Simd;
 use gym_numerics::math::{Lanes, Real};
 
 use super::{Arrays, At, PerWorld, WORLDS, copy, load, same, store, tree};
+use crate::Model;
 use crate::model::JointType;
 use crate::physics::com::{Inertias, com_pos_of};
 use crate::physics::inertia::{Composite, crb_of};
@@ -11,7 +12,6 @@ use crate::physics::integrate::rate_of_turn;
 use crate::physics::kinematics::{Frames, kinematics_of};
 use crate::physics::passive::{Medium, box_in_medium, damper_force, spring_force};
 use crate::physics::velocity::{Bias, Motion, com_vel_of, rne_of};
-use crate::{Model, Revision};
 
 impl Arrays {
     /// Computes frames and inertias; `whole` as in [`frames`](Self::frames).
@@ -182,7 +182,7 @@ impl Arrays {
     #[inline(always)]
     pub(super) fn stage_rates<S: Simd>(&mut self, m: &Model, at: At<S>, way: f64) {
         let first = at.1;
-        let turns = m.revision == Revision::V4_0 && way != 0.0;
+        let turns = m.revision.turns_by_stages() && way != 0.0;
         let free = (0..m.njnt()).filter(|&j| turns && m.jnt_type[j] == JointType::Free);
         // a free joint's new rates depend on the rates of the stage before: compute them before
         // `rates` changes, store them at the end

@@ -6,17 +6,17 @@ use crate::math::spatial::{InTurn, Order, Pairwise, Quat, Vec3, add, dot, rotate
 use crate::model::{Equality, EqualityType, ObjectType};
 use crate::physics::constraint::{Constraints, Kind, Source, push_block, set_row};
 use crate::physics::jacobian::moves_apart;
-use crate::{Data, Model, Revision};
+use crate::{Data, Model};
 
 /// Adds the rows of active equality constraints: MuJoCo's `mj_instantiateEquality`.
 #[inline(never)]
 pub(super) fn equality(m: &Model, d: &mut Data) {
     for constraint in &m.plan().constraints.equalities {
-        match (constraint.kind, m.revision) {
-            (EqualityType::Connect | EqualityType::Weld, Revision::V3_12) => {
+        match (constraint.kind, m.revision.adds_in_pairs()) {
+            (EqualityType::Connect | EqualityType::Weld, false) => {
                 bodies::<InTurn>(m, d, constraint);
             }
-            (EqualityType::Connect | EqualityType::Weld, Revision::V4_0) => {
+            (EqualityType::Connect | EqualityType::Weld, true) => {
                 bodies::<Pairwise>(m, d, constraint);
             }
             (EqualityType::Joint | EqualityType::Tendon, _) => polynomial(m, d, constraint),

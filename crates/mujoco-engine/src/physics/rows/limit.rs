@@ -4,7 +4,7 @@ use super::{push_row, push_scalar, tendon_row};
 use crate::math::spatial::{InTurn, Order, Pairwise, normalize, quat_to_velocity, scale};
 use crate::model::Limit;
 use crate::physics::constraint::{Kind, Source, push_block, set_row};
-use crate::{Data, Model, Revision};
+use crate::{Data, Model};
 
 /// Adds the rows of active joint limits: MuJoCo's `mj_instantiateLimit`.
 #[inline(always)]
@@ -38,9 +38,10 @@ pub(super) fn joint_limits(m: &Model, d: &mut Data) {
 fn ball_limit(m: &Model, d: &mut Data, limit: &Limit) {
     let p = limit.qpos;
     let quat = [0, 1, 2, 3].map(|k| d.qpos[p + k]);
-    let quat = match m.revision {
-        Revision::V3_12 => InTurn::normalize_quat((), quat),
-        Revision::V4_0 => Pairwise::normalize_quat((), quat),
+    let quat = if m.revision.adds_in_pairs() {
+        Pairwise::normalize_quat((), quat)
+    } else {
+        InTurn::normalize_quat((), quat)
     };
     let (axis, angle) = normalize(quat_to_velocity(quat));
     let dist = limit.range[0].max(limit.range[1]) - angle;

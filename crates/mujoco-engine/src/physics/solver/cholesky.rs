@@ -141,9 +141,10 @@ fn substitute(factor: &[Lanes], n: usize, stride: usize, x: &mut [Lanes], revisi
             #[inline(always)]
             |(l, x)| l * x,
         );
-        let sum = match revision {
-            Revision::V3_12 => products.fold(x[i], Sub::sub),
-            Revision::V4_0 => products.rfold(x[i], Sub::sub),
+        let sum = if revision.substitutes_by_columns() {
+            products.rfold(x[i], Sub::sub)
+        } else {
+            products.fold(x[i], Sub::sub)
         };
         x[i] = sum / column[i];
     }
@@ -224,13 +225,13 @@ mod tests {
             x[i] = (x[i] - dot_slices(&matrix[i][..i], &x[..i])) / matrix[i][i];
         }
         for i in (0..N).rev() {
-            if revision == Revision::V3_12 {
+            if !revision.substitutes_by_columns() {
                 for j in i + 1..N {
                     x[i] -= matrix[j][i] * x[j];
                 }
             }
             x[i] /= matrix[i][i];
-            if revision == Revision::V4_0 {
+            if revision.substitutes_by_columns() {
                 for j in 0..i {
                     x[j] -= matrix[i][j] * x[i];
                 }

@@ -9,7 +9,7 @@ use super::{add_forces, dense, residuals};
 use crate::math::dense::{Lanes, add_scaled, dot, times};
 use crate::model::{Bounds, Disable, Solver};
 use crate::physics::inertia;
-use crate::{Data, Model, Revision};
+use crate::{Data, Model};
 
 /// Buffers of the solver: vectors over all rows, and over an island's rows.
 #[derive(Clone, Debug, Default)]
@@ -288,12 +288,11 @@ impl Pcg32 {
 /// current configuration.
 pub(super) fn inertia_of(m: &Model, d: &Data, trees: &[usize]) -> f64 {
     let plan = m.plan();
-    match m.revision {
-        Revision::V3_12 => m.stat.meaninertia * m.nv().max(1) as f64,
-        Revision::V4_0 => {
-            let dofs = trees.iter().flat_map(|&tree| plan.trees[tree].clone());
-            dofs.fold(0.0, |sum, i| sum + d.qm[plan.m_diagonal(i)])
-        }
+    if m.revision.stops_by_current_inertia() {
+        let dofs = trees.iter().flat_map(|&tree| plan.trees[tree].clone());
+        dofs.fold(0.0, |sum, i| sum + d.qm[plan.m_diagonal(i)])
+    } else {
+        m.stat.meaninertia * m.nv().max(1) as f64
     }
 }
 

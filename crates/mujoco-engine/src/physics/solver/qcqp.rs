@@ -158,9 +158,10 @@ fn solve<const N: usize>(l: &[[f64; N]; N], mut x: [f64; N], revision: Revision)
     }
     for i in (0..N).rev() {
         let subtract = |sum: f64, j: usize| sum - l[j][i] * x[j];
-        let sum = match revision {
-            Revision::V3_12 => (i + 1..N).fold(x[i], subtract),
-            Revision::V4_0 => (i + 1..N).rev().fold(x[i], subtract),
+        let sum = if revision.substitutes_by_columns() {
+            (i + 1..N).rev().fold(x[i], subtract)
+        } else {
+            (i + 1..N).fold(x[i], subtract)
         };
         x[i] = sum / l[i][i];
     }

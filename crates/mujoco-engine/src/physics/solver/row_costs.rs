@@ -135,23 +135,20 @@ impl RowCosts<'_> {
         let dm = self.d[i] / (mu * mu * (1.0 + mu * mu));
         let apart = n - mu * t;
         force[i] = -dm * apart * mu;
-        let matrix = match self.revision {
-            Revision::V3_12 => {
-                for j in 1..dim {
-                    force[i + j] = -force[i] / t * u[j] * friction[j - 1];
-                }
-                let bends = (mu * n / (t * t * t), mu * n / t);
-                cone_hessian(&u, mu / t, bends, dim, mu, friction, dm)
+        let matrix = if self.revision.slopes_by_direction() {
+            // the unit vector of the sliding direction
+            let u = u.map(|u| u / t);
+            for j in 1..dim {
+                force[i + j] = -force[i] * u[j] * friction[j - 1];
             }
-            Revision::V4_0 => {
-                // the unit vector of the sliding direction
-                let u = u.map(|u| u / t);
-                for j in 1..dim {
-                    force[i + j] = -force[i] * u[j] * friction[j - 1];
-                }
-                let bend = mu * (n / t);
-                cone_hessian(&u, mu, (bend, bend), dim, mu, friction, dm)
+            let bend = mu * (n / t);
+            cone_hessian(&u, mu, (bend, bend), dim, mu, friction, dm)
+        } else {
+            for j in 1..dim {
+                force[i + j] = -force[i] / t * u[j] * friction[j - 1];
             }
+            let bends = (mu * n / (t * t * t), mu * n / t);
+            cone_hessian(&u, mu / t, bends, dim, mu, friction, dm)
         };
         cones.push(ConeHessian {
             row: i,
@@ -311,7 +308,10 @@ impl RowCosts<'_> {
             vv,
             dm: self.d[i] / ((mu * mu) * (1.0 + mu * mu)),
             mu,
-            parts: (self.revision == Revision::V4_0).then_some((parts, block.rows - 1)),
+            parts: self
+                .revision
+                .slopes_by_direction()
+                .then_some((parts, block.rows - 1)),
         })
     }
 }

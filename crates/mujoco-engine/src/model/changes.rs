@@ -1,0 +1,104 @@
+//! What changed between versions of MuJoCo, and since which revision. A comment names an earlier
+//! version with the change. Each rule is a method of [`Revision`]: `m.revision.clips_faces()`.
+
+use super::Revision;
+
+macro_rules! changes {
+    ($($(#[$doc:meta])* $name:ident since $first:ident;)*) => {
+        impl Revision {
+            $(
+                $(#[$doc])*
+                #[inline]
+                pub(crate) fn $name(self) -> bool {
+                    self >= Self::$first
+                }
+            )*
+        }
+    };
+}
+
+// The language and the compiler
+changes! {
+    /// A range of a tendon's force limits the force without a flag. (3.13)
+    limits_by_force_range since V3_17;
+    /// The damping ratio of a servo refers to the inertia that the servo moves. (3.14)
+    damps_moved_inertia since V3_17;
+    /// The rotations to principal axes come from half the tangent, and end by the size of what is
+    /// left. (3.14)
+    turns_by_half_tangent since V3_17;
+    /// An actuator takes parameters only from classes of its own or a fitting kind.
+    classes_by_kind since V4_0;
+    /// The relative pose of a weld constraint is normalised when it is read.
+    normalizes_weld_poses since V4_0;
+    /// Contacts make no constraints where no degree of freedom moves one body relative to the
+    /// other.
+    drops_rigid_pairs since V4_0;
+}
+
+// Meshes
+changes! {
+    /// A quadrilateral is cut along its shorter diagonal.
+    cuts_quadrilaterals since V4_0;
+    /// The texture and the normal of a corner in an OBJ file may be 0.
+    takes_corner_zero since V4_0;
+    /// The hull of a mirrored mesh is turned right side out.
+    turns_mirrored_hulls since V4_0;
+    /// The hashes of the two angles of a polygon's normal are mixed as in Boost's `hash_combine`.
+    mixes_hashes since V4_0;
+    /// A polygon of one triangle passes through the same steps as others.
+    joins_single_faces since V4_0;
+    /// The normal of a polygon takes all corners into account, by Newell's method.
+    newell_normals since V4_0;
+}
+
+// Contacts
+changes! {
+    /// The lowest point of an ellipsoid above a plane is its support point. (3.13)
+    supports_ellipsoids since V3_17;
+    /// The contacts of two convex shapes are found at once, by clipping faces, instead of by turning
+    /// the shapes. (3.15)
+    clips_faces since V3_17;
+    /// Convex shapes with a margin are compared without it first.
+    shrinks_to_cores since V3_17;
+    /// The nearest points of capsules are positions between the ends of their segments.
+    tests_capsule_ends since V3_17;
+    /// The nearest point of a simplex is the projection of the origin on it, and the polytope
+    /// expands until the last bound is reached.
+    projects_origin since V4_0;
+}
+
+// Forces and the solvers
+changes! {
+    /// Projected Gauss-Seidel scales its improvement by the inertia of the current configuration.
+    stops_by_current_inertia since V3_17;
+    /// Elliptic cones have their slopes from the unit vector of the sliding direction.
+    slopes_by_direction since V4_0;
+    /// The area of an ellipsoid in a medium is computed for a longest semiaxis of 1.
+    scales_ellipsoids since V4_0;
+    /// The side of a tendon's path around a geom is that on which the path through the side site
+    /// winds.
+    winds_past_side since V4_0;
+    /// The orientation of a site relative to `refsite` is that of the world.
+    refers_to_world since V4_0;
+    /// The Cholesky solver substitutes back by columns.
+    substitutes_by_columns since V4_0;
+}
+
+// Integration and what is shown
+changes! {
+    /// The terms of quaternion functions are added in pairs.
+    adds_in_pairs since V4_0;
+    /// Runge and Kutta's stages turn the velocities of free and ball joints into the frame of the
+    /// start.
+    turns_by_stages since V4_0;
+    /// `implicitfast` derives the forces at the clamped controls.
+    derives_clamped_controls since V4_0;
+    /// The inertia of a free body in implicit integration is that about the centre of mass.
+    takes_inertia_of_com since V4_0;
+    /// Sensors of acceleration include gravity on bodies that cannot move.
+    accelerates_fixed_bodies since V4_0;
+    /// `cfrc_ext` has the forces of tendons through sites.
+    shows_tendon_forces since V4_0;
+    /// The torque of a weld constraint in `cfrc_ext` is that in the world.
+    turns_weld_torques since V4_0;
+}

@@ -2,7 +2,7 @@
 
 use std::fmt::Display;
 
-use super::{features, values};
+use super::{features, meshes, values};
 use crate::error::ensure;
 use crate::mjcf::MOST;
 use crate::model::{CompiledModel, GeomType, JointType};
@@ -38,6 +38,7 @@ pub(super) fn check(m: &CompiledModel) -> Result<()> {
     bodies(m)?;
     joints(m)?;
     geoms(m)?;
+    meshes::check(m)?;
     others(m)?;
     features::check(m)?;
     values::check(m)
@@ -50,11 +51,13 @@ fn bad(what: String) -> Error {
 /// Checks that every named array has the length of its group.
 macro_rules! same_length {
     ($m:ident, $length:expr, $($field:ident)+) => {
-        same_length($length, &[$((stringify!($field), $m.$field.len())),+])?;
+        $crate::compile::check::equal_lengths($length, &[$((stringify!($field), $m.$field.len())),+])?;
     };
 }
 
-fn same_length(expected: usize, arrays: &[(&str, usize)]) -> Result<()> {
+pub(super) use same_length;
+
+pub(super) fn equal_lengths(expected: usize, arrays: &[(&str, usize)]) -> Result<()> {
     for (name, length) in arrays {
         ensure!(
             *length == expected,
@@ -69,6 +72,7 @@ fn counts(m: &CompiledModel) -> Result<()> {
     for (kind, count) in [
         ("bodies", m.nbody()),
         ("geoms", m.ngeom()),
+        ("meshes", m.nmesh()),
         ("joints", m.njnt()),
         ("degrees of freedom", m.nv()),
         ("actuators", m.nu()),
@@ -303,11 +307,6 @@ fn geoms(m: &CompiledModel) -> Result<()> {
         ensure!(
             m.geom_size[g][..needed].iter().all(|&s| s > 0.0),
             "geom_size[{g}] must be positive"
-        );
-        ensure!(
-            m.geom_type[g] != GeomType::Mesh
-                || m.geom_contype[g] == 0 && m.geom_conaffinity[g] == 0,
-            "geom {g} is a mesh that collides, which is not supported: set its contype and conaffinity to 0"
         );
         let material = usize::try_from(m.geom_matid[g]);
         ensure!(

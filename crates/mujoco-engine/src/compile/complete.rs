@@ -1,8 +1,9 @@
 //! Fills arrays that a serialised model may leave out because it does not use their feature.
 
+use crate::model::bounds::shape_box;
 use crate::model::{
-    BiasType, CompiledModel, DynamicsType, Fluid, GainType, ObjectType, Parameters, SOLIMP, SOLREF,
-    TransmissionType, WrapType, padded,
+    BiasType, CompiledModel, DynamicsType, Fluid, GainType, GeomType, ObjectType, Parameters,
+    SOLIMP, SOLREF, TransmissionType, WrapType, padded,
 };
 use crate::physics::arrays;
 
@@ -31,6 +32,7 @@ impl CompiledModel {
             nv, SOLREF => dof_solref;
             nv, SOLIMP => dof_solimp;
             ngeom, Fluid::default() => geom_fluid;
+            ngeom, -1 => geom_dataid;
             nu, TransmissionType::Joint => actuator_trntype;
             nu, DynamicsType::None => actuator_dyntype;
             nu, GainType::Fixed => actuator_gaintype;
@@ -51,6 +53,17 @@ impl CompiledModel {
             nwrap, WrapType::Joint => wrap_type;
             neq, ObjectType::Body => eq_objtype;
             nkey, Vec::new() => key_act key_mpos key_mquat;
+        }
+        if m.has_meshes() {
+            fill(&mut m.geom_aabb, ngeom, [0.0; 6]);
+        } else {
+            m.geom_aabb.clear();
+        }
+        let shapes = m.geom_type.iter().zip(&m.geom_size);
+        for (bounds, (kind, size)) in m.geom_aabb.iter_mut().zip(shapes) {
+            if *kind != GeomType::Mesh {
+                bounds.copy_from_slice(shape_box(*kind, *size).as_flattened());
+            }
         }
     }
 }

@@ -15,7 +15,7 @@ impl Model {
     ///
     /// It recomputes the masses of subtrees, inverse weights and inertias, lengths of tendons and
     /// actuators, anchors of equality constraints, and `stat`. Unlike MuJoCo's function, it also
-    /// recomputes the bounding radii of geoms and `body_simple`. To change fields and recompute
+    /// recomputes the bounding radii of geoms, except of meshes, and `body_simple`. To change fields and recompute
     /// nothing, like a plain write to MuJoCo's `mjModel`, call
     /// [`into_compiled`](Self::into_compiled), change the result, and pass it to
     /// [`new`](Self::new).
@@ -79,7 +79,10 @@ pub(crate) fn bounding_radius(shape: GeomType, size: [f64; 3]) -> f64 {
 
 fn bound_geoms(m: &mut CompiledModel) {
     for g in 0..m.ngeom() {
-        m.geom_rbound[g] = bounding_radius(m.geom_type[g], m.geom_size[g]);
+        // a mesh keeps its own, which does not follow from `geom_size`
+        if m.geom_type[g] != GeomType::Mesh {
+            m.geom_rbound[g] = bounding_radius(m.geom_type[g], m.geom_size[g]);
+        }
     }
 }
 

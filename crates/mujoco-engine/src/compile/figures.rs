@@ -108,7 +108,7 @@ fn derived(m: &Model) -> Value {
         "body_conaffinity": bodies.clone().map(|b| any(&m.geom_conaffinity, b)).collect::<Vec<_>>(),
         "body_margin": bodies.map(|b| m.geoms_of(b).map(|g| m.geom_margin[g] + m.geom_gap[g]).fold(0.0, f64::max)).collect::<Vec<_>>(),
         "geom_sameframe": (0..m.ngeom()).map(|g| same_frame(m, m.geom_bodyid[g], m.geom_pos[g], m.geom_quat[g])).collect::<Vec<_>>(),
-        "geom_aabb": (0..m.ngeom()).map(|g| bounding_box(m.geom_type[g], m.geom_size[g]).concat()).collect::<Vec<_>>(),
+        "geom_aabb": (0..m.ngeom()).map(|g| bounding_box(m, g).concat()).collect::<Vec<_>>(),
         "dof_length": (0..m.nv()).map(dof_length).collect::<Vec<_>>(),
     })
 }

@@ -7,7 +7,7 @@
 //! | `inertia`, `fluid` | masses, principal axes, coefficients of shapes |
 //! | `mesh`, `hull` | meshes of files; their convex hulls |
 //! | `constants` | fields that follow from others, by stages of the engine |
-//! | `complete`, `check`, `features`, `values` | fields left out; refusal of models that the engine cannot run |
+//! | `complete`, `check`, `features`, `meshes`, `values` | fields left out; refusal of models that the engine cannot run |
 //! | `figures` | the model as a table |
 
 mod actuator;
@@ -26,6 +26,7 @@ mod inertia;
 mod joint;
 mod keyframe;
 pub mod mesh;
+mod meshes;
 mod sensor;
 mod source;
 mod tendon;

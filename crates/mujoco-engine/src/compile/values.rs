@@ -11,7 +11,7 @@ use crate::model::{BiasType, CompiledModel, GainType, JointType, WrapType};
 /// The part by which moments of inertia may miss the inequality of their sums, by rounding.
 const ROUNDING: f64 = 1e-9;
 /// The part by which the length of a quaternion or an axis may differ from 1, by rounding.
-const LENGTH: f64 = 1e-3;
+pub(super) const LENGTH: f64 = 1e-3;
 
 /// Checks the numbers of a model whose arrays have the right lengths, and whose ids exist.
 pub(super) fn check(m: &CompiledModel) -> Result<()> {
@@ -53,7 +53,7 @@ fn options(m: &CompiledModel) -> Result<()> {
     finite("stat", &[m.stat.meaninertia])
 }
 
-fn finite(what: impl Display, numbers: &[f64]) -> Result<()> {
+pub(super) fn finite(what: impl Display, numbers: &[f64]) -> Result<()> {
     let Some(i) = numbers.iter().position(|x| !x.is_finite()) else {
         return Ok(());
     };
@@ -95,7 +95,7 @@ fn all_finite(m: &CompiledModel) -> Result<()> {
             actuator_actrange actuator_lengthrange jnt_actfrcrange dof_solref dof_solimp
             tendon_range tendon_actfrcrange tendon_lengthspring tendon_solref_lim tendon_solimp_lim
             tendon_solref_fri tendon_solimp_fri eq_solref eq_solimp eq_data pair_solref
-            pair_solreffriction pair_solimp pair_friction cam_pos cam_quat;
+            pair_solreffriction pair_solimp pair_friction cam_pos cam_quat geom_aabb;
         lists: key_qpos key_qvel key_ctrl key_act key_mpos key_mquat;
         parameters: actuator_dynprm actuator_gainprm actuator_biasprm geom_fluid
     );
@@ -313,7 +313,7 @@ fn turns(m: &CompiledModel) -> Result<()> {
     Ok(())
 }
 
-fn length(numbers: &[f64]) -> f64 {
+pub(super) fn length(numbers: &[f64]) -> f64 {
     numbers.iter().map(|x| x * x).sum::<f64>().sqrt()
 }
 

@@ -13,7 +13,16 @@ use crate::math::spatial::{EPS, Quat, Vec3, rotate_quat, sub};
 pub(crate) type Bounds = [Vec3; 2];
 
 /// The box around a geom, in its frame: MuJoCo's `geom_aabb`.
-pub(crate) fn bounding_box(kind: GeomType, size: Vec3) -> Bounds {
+pub(crate) fn bounding_box(m: &CompiledModel, g: usize) -> Bounds {
+    if m.geom_type[g] != GeomType::Mesh {
+        return shape_box(m.geom_type[g], m.geom_size[g]);
+    }
+    let [x, y, z, i, j, k] = m.geom_aabb[g];
+    [[x, y, z], [i, j, k]]
+}
+
+/// The box around a shape, in its frame; without extent for a mesh, which has no size.
+pub(crate) fn shape_box(kind: GeomType, size: Vec3) -> Bounds {
     let [r, half, z] = size;
     let centre = match kind {
         GeomType::Plane => [0.0, 0.0, -5e9],
@@ -69,7 +78,7 @@ impl Tree {
         let inward = |v: Vec3| turned([w, -x, -y, -z], v);
         let (mut low, mut high) = ([f64::MAX; 3], [-f64::MAX; 3]);
         for &g in &geoms {
-            let [centre, half] = bounding_box(m.geom_type[g], m.geom_size[g]);
+            let [centre, half] = bounding_box(m, g);
             for corner in 0..8 {
                 let at = std::array::from_fn(|k| {
                     if corner & (1 << k) == 0 {

@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use super::{CompiledModel, ObjectType};
+use super::{CompiledModel, GeomType, ObjectType};
 
 impl CompiledModel {
     /// Number of position coordinates.
@@ -39,6 +39,17 @@ impl CompiledModel {
     #[must_use]
     pub fn ngeom(&self) -> usize {
         self.geom_type.len()
+    }
+
+    /// Number of meshes.
+    #[must_use]
+    pub fn nmesh(&self) -> usize {
+        self.meshes.mesh_vertadr.len()
+    }
+
+    /// Whether a geom is a mesh.
+    pub(crate) fn has_meshes(&self) -> bool {
+        self.geom_type.contains(&GeomType::Mesh)
     }
 
     /// Number of sites.

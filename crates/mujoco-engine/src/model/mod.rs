@@ -7,10 +7,12 @@
 mod actuators;
 pub(crate) mod bounds;
 mod changes;
+mod checked;
 mod constraints;
 mod frames;
 mod kinds;
 mod lookup;
+mod meshes;
 mod mix;
 mod pairs;
 mod paths;
@@ -20,17 +22,18 @@ mod sensors;
 mod softness;
 mod types;
 
-use std::ops::Deref;
+use std::sync::Arc;
 
 use serde::{Deserialize, Serialize};
 
-use crate::Result;
+pub use checked::Model;
 pub(crate) use constraints::{Equality, Scalar};
 pub(crate) use frames::{Base, Mount, Pose, same, same_quat};
 pub use kinds::{
     BiasType, Cone, DynamicsType, EqualityType, GainType, GeomType, Integrator, JointType,
     ObjectType, Solver, TransmissionType, WrapType,
 };
+pub use meshes::Meshes;
 pub(crate) use pairs::{Pair, Reach, signature};
 pub(crate) use plan::{Bounds, Limit, Plan};
 pub use revision::Revision;
@@ -39,49 +42,6 @@ pub(crate) use sensors::{About, Stage};
 pub(crate) use softness::{SOLIMP, SOLREF, Softness};
 pub(crate) use types::padded;
 pub use types::{Disable, Fluid, Names, Options, Parameters, Statistics};
-
-/// A checked [`CompiledModel`], with the engine's precomputed data.
-///
-/// It dereferences to [`CompiledModel`] for reading. To change fields, call
-/// [`change`](Self::change), which checks them and recomputes the fields that depend on them.
-#[derive(Clone, Debug, Serialize, Deserialize)]
-#[serde(try_from = "CompiledModel", into = "CompiledModel")]
-pub struct Model {
-    compiled: CompiledModel,
-    plan: Plan,
-}
-
-impl Model {
-    /// Precomputes what the engine needs of a model that was checked.
-    pub(crate) fn planned(compiled: CompiledModel) -> Result<Self> {
-        let plan = Plan::new(&compiled)?;
-        Ok(Self { compiled, plan })
-    }
-
-    /// Returns the compiled model. Change its fields, and pass it to [`new`](Self::new).
-    #[must_use]
-    pub fn into_compiled(self) -> CompiledModel {
-        self.compiled
-    }
-
-    pub(crate) fn plan(&self) -> &Plan {
-        &self.plan
-    }
-}
-
-impl Deref for Model {
-    type Target = CompiledModel;
-
-    fn deref(&self) -> &CompiledModel {
-        &self.compiled
-    }
-}
-
-impl From<Model> for CompiledModel {
-    fn from(model: Model) -> Self {
-        model.into_compiled()
-    }
-}
 
 /// A compiled model, with the field names of MuJoCo's `mjModel`.
 ///
@@ -255,6 +215,17 @@ pub struct CompiledModel {
     /// Fluid coefficients: 1 for the ellipsoid model (else 0), five coefficients, virtual masses
     /// and moments.
     pub geom_fluid: Vec<Fluid>,
+    /// The geom's mesh, the one that it was fitted to in 3.12, or -1.
+    #[serde(skip_serializing_if = "none")]
+    pub geom_dataid: Vec<i32>,
+    /// The box around the geom in its frame: centre, half sizes. Of other shapes than meshes it
+    /// follows from `geom_size`; empty in a model without geoms that are meshes.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub geom_aabb: Vec<[f64; 6]>,
+
+    /// The meshes; copies of the model share them.
+    #[serde(flatten, with = "meshes::shared")]
+    pub meshes: Arc<Meshes>,
 
     /// The site's body.
     pub site_bodyid: Vec<usize>,
@@ -450,36 +421,7 @@ pub struct CompiledModel {
     pub key_mquat: Vec<Vec<f64>>,
 }
 
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    /// The compiled model of a reference file, if `GYM_REFERENCE` points to the recordings.
-    fn reference(name: &str) -> Option<Model> {
-        let root = std::env::var_os("GYM_REFERENCE")?;
-        let path = std::path::Path::new(&root)
-            .join("models_mujoco")
-            .join(name)
-            .with_extension("json");
-        let text =
-            std::fs::read_to_string(&path).unwrap_or_else(|e| panic!("{}: {e}", path.display()));
-        Some(serde_json::from_str(&text).unwrap_or_else(|e| panic!("{}: {e}", path.display())))
-    }
-
-    #[test]
-    fn reads_recorded_figures() {
-        for name in "inverted_pendulum inverted_double_pendulum reacher pusher pusher_v5 swimmer half_cheetah hopper walker2d \
-                     walker2d_v5 ant humanoid humanoidstandup".split_whitespace() {
-            let Some(m) = reference(name) else { return };
-            assert!(m.nv() > 0, "{name}");
-        }
-        let Some(m) = reference("humanoid") else {
-            return;
-        };
-        assert_eq!(
-            (m.nq(), m.nv(), m.nu(), m.nbody(), m.ntendon()),
-            (24, 23, 17, 14, 2)
-        );
-        assert_eq!(m.body_id("torso"), Some(1));
-    }
+/// Whether no geom has a mesh.
+fn none(ids: &[i32]) -> bool {
+    ids.iter().all(|id| *id == -1)
 }

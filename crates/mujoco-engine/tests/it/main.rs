@@ -5,6 +5,7 @@ mod common;
 mod compiled;
 mod contacts;
 mod frames;
+mod meshes;
 mod mjcf;
 mod numbers;
 mod rooms;

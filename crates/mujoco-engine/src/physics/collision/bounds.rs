@@ -13,8 +13,8 @@ use super::Shape;
 use crate::Model;
 use crate::math::MAXVAL;
 use crate::math::spatial::{Mat3, Vec3, add, column, dot, rotate};
+use crate::model::Pair;
 use crate::model::bounds::{Bounds, bounding_box, meetings};
-use crate::model::{GeomType, Pair};
 
 /// If a contact is deeper below the margin than this, rounding cannot drop the contact, although a
 /// plane's box has sides of 1e10.
@@ -30,8 +30,7 @@ pub(super) fn apart(
     shapes: [Shape<'_>; 2],
     inertial: impl Fn(usize) -> Frame,
 ) -> bool {
-    let kinds: [GeomType; 2] = pair.kind.into();
-    let around = [0, 1].map(|k| bounding_box(kinds[k], *shapes[k].size));
+    let around = pair.geom.map(|g| bounding_box(m, g));
     let alone = [0, 1].map(|k| {
         let axes = [0, 1, 2].map(|axis| column(shapes[k].mat, axis));
         let centre = add(rotate(shapes[k].mat, around[k][0]), shapes[k].pos);

@@ -34,7 +34,7 @@ pub use kinds::{
     ObjectType, Solver, TransmissionType, WrapType,
 };
 pub use meshes::Meshes;
-pub(crate) use pairs::{Pair, Reach, signature};
+pub(crate) use pairs::{Pair, Polygons, Reach, signature};
 pub(crate) use plan::{Bounds, Limit, Plan};
 pub use revision::Revision;
 pub use sensors::SensorType;

@@ -46,11 +46,12 @@ pub(crate) struct Pair {
 impl Pair {
     /// Whether the contacts need the general routine for convex shapes.
     pub(crate) fn is_convex(&self) -> bool {
-        use GeomType::{Box, Capsule, Cylinder, Ellipsoid, Sphere};
+        use GeomType::{Box, Capsule, Cylinder, Ellipsoid, Mesh, Sphere};
         match self.kind.1 {
             Ellipsoid => matches!(self.kind.0, Sphere | Capsule | Ellipsoid),
             Cylinder => matches!(self.kind.0, Capsule | Ellipsoid | Cylinder),
             Box => matches!(self.kind.0, Ellipsoid | Cylinder),
+            Mesh => true,
             _ => false,
         }
     }
@@ -123,7 +124,7 @@ impl Plan {
                 next += count;
                 for &i in of_bodies {
                     let geoms = [m.pair_geom1[i], m.pair_geom2[i]];
-                    push(&mut pairs, self.pair(m, geoms, &Figures::stated(m, i))?)?;
+                    push(&mut pairs, self.pair(m, geoms, &Figures::stated(m, i)))?;
                 }
                 if b1 == b2 || !bodies_collide(m, &excluded, b1, b2) {
                     continue;
@@ -139,7 +140,7 @@ impl Plan {
                         });
                         if meet != 0 && !known {
                             let figures = Figures::mixed(m, [g1, g2]);
-                            push(&mut pairs, self.pair(m, [g1, g2], &figures)?)?;
+                            push(&mut pairs, self.pair(m, [g1, g2], &figures))?;
                         }
                     }
                 }
@@ -150,26 +151,16 @@ impl Plan {
     }
 
     /// Builds the pair of two geoms; `None` for two planes, which never touch.
-    ///
-    /// # Errors
-    /// For a mesh, whose contacts are not supported.
     fn pair(
         &self,
         m: &CompiledModel,
         [g1, g2]: [usize; 2],
         figures: &Figures,
-    ) -> Result<Option<Pair>> {
+    ) -> Option<Pair> {
         let [g1, g2] = by_type(m, [g1, g2]);
         let kind = (m.geom_type[g1], m.geom_type[g2]);
         if kind == (GeomType::Plane, GeomType::Plane) {
-            return Ok(None);
-        }
-        if kind.1 == GeomType::Mesh {
-            return Err(Error::Pair {
-                first: g1,
-                second: g2,
-                kinds: format!("{:?} and mesh", kind.0).to_lowercase(),
-            });
+            return None;
         }
         let (b1, b2) = (m.geom_bodyid[g1], m.geom_bodyid[g2]);
         let (solref, solimp, dim) = (figures.solref, figures.solimp, figures.dim);
@@ -185,7 +176,7 @@ impl Plan {
         } else {
             Softness::new(solref_friction, solimp, &m.opt).damping
         };
-        Ok(Some(Pair {
+        Some(Pair {
             geom: [g1, g2],
             kind,
             margin,
@@ -207,7 +198,7 @@ impl Plan {
             groups: columns.last().map_or(0, |column| column.dof / 4 + 1),
             columns,
             trees: [tree(b1), tree(b2)],
-        }))
+        })
     }
 
     fn columns(&self, m: &CompiledModel, b1: usize, b2: usize) -> Vec<Column> {
@@ -303,12 +294,33 @@ pub(super) fn most_contacts(kind: (GeomType, GeomType)) -> usize {
     match kind {
         (GeomType::Plane, GeomType::Capsule) | (GeomType::Capsule, GeomType::Capsule) => 2,
         (GeomType::Capsule, GeomType::Box) => 2,
-        (GeomType::Plane, GeomType::Cylinder | GeomType::Box) => 4,
+        (GeomType::Plane, GeomType::Cylinder | GeomType::Box | GeomType::Mesh) => 4,
         (GeomType::Box, GeomType::Box) => 8,
         (GeomType::Capsule | GeomType::Cylinder, GeomType::Cylinder | GeomType::Box) => 5,
+        (GeomType::Capsule | GeomType::Cylinder | GeomType::Box | GeomType::Mesh, GeomType::Mesh) => 5,
         _ => 1,
     }
 }
+
+/// The sizes of the meshes' polygons.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Polygons {
+    /// The most corners of a polygon.
+    pub(crate) corners: usize,
+    /// The most polygons at a vertex.
+    pub(crate) degree: usize,
+}
+
+impl Polygons {
+    pub(super) fn new(m: &CompiledModel) -> Self {
+        let most = |counts: &[usize]| counts.iter().copied().max().unwrap_or(0);
+        Self {
+            corners: most(&m.meshes.mesh_polyvertnum),
+            degree: most(&m.meshes.mesh_polymapnum),
+        }
+    }
+}
+
 /// Whether geoms of two bodies collide. `excluded` is sorted.
 fn bodies_collide(m: &CompiledModel, excluded: &[u32], b1: usize, b2: usize) -> bool {
     let (w1, w2) = (m.body_weldid[b1], m.body_weldid[b2]);

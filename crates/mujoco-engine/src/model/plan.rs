@@ -7,7 +7,7 @@ use super::actuators::Motor;
 use super::bounds::Tree;
 use super::constraints::ModelConstraints;
 use super::frames::{self, Body, Joint, Mount};
-use super::pairs::{Pair, Reach, most_contacts};
+use super::pairs::{Pair, Polygons, Reach, most_contacts};
 use super::paths::Paths;
 use super::{
     CompiledModel, Cone, Disable, Integrator, JointType, Softness, Stage, TransmissionType,
@@ -42,8 +42,8 @@ pub(crate) struct Plan {
     pub(crate) reaches: Vec<Reach>,
     /// The boxes around the geoms of each body.
     pub(crate) bounds: Vec<Tree>,
-    /// Whether some pair needs the expanding polytope algorithm.
-    pub(crate) deep: bool,
+    /// The sizes of polygons, if some pair needs the general routine for convex shapes.
+    pub(crate) deep: Option<Polygons>,
     /// The model's sizes on which buffer sizes depend.
     pub(crate) sizes: [usize; 15],
     /// Joints with limits.
@@ -178,7 +178,7 @@ impl Plan {
             pairs: Vec::new(),
             bounds: Vec::new(),
             reaches: Vec::new(),
-            deep: false,
+            deep: None,
             sizes: [0; 15],
             limits: Vec::new(),
             inequalities_only: {
@@ -231,7 +231,10 @@ impl Plan {
         if constraints && !off(Disable::Contact) {
             plan.pairs = plan.find_pairs(m)?;
         }
-        plan.deep = plan.pairs.iter().any(Pair::is_convex);
+        plan.deep = {
+            let deep = plan.pairs.iter().any(Pair::is_convex);
+            deep.then(|| Polygons::new(m))
+        };
         let paths = plan.measures || plan.paths.fixed.contains(&false);
         plan.geoms_read =
             vec![paths || m.geom_fluid.iter().any(|fluid| fluid.0[0] != 0.0); m.ngeom()];
@@ -261,7 +264,7 @@ impl Plan {
             m.ntendon(),
             m.ntree(),
             m.opt.integrator as usize,
-            usize::from(plan.deep),
+            plan.deep.map_or(0, |polygons| 1 + polygons.corners + polygons.degree),
         ];
         Ok(plan)
     }

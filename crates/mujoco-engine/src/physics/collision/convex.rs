@@ -5,6 +5,7 @@
 
 use super::epa::Polytope;
 use super::gjk::{self, Vertex};
+use super::mesh::Mesh;
 use super::{Hit, Push, Shape, frame};
 use crate::Revision;
 use crate::math::spatial::{
@@ -24,6 +25,8 @@ const MOST: usize = 5;
 pub(super) struct Solid<'a> {
     pub(super) kind: GeomType,
     pub(super) shape: Shape<'a>,
+    /// The mesh, if the shape is one.
+    pub(super) mesh: Option<&'a Mesh<'a>>,
 }
 
 impl<'a> Solid<'a> {
@@ -42,15 +45,25 @@ impl<'a> Solid<'a> {
         matches!(self.kind, GeomType::Sphere | GeomType::Capsule).then_some(self.shape.size[0])
     }
 
+    /// Whether the shape has finitely many support points.
+    pub(super) fn is_discrete(&self) -> bool {
+        matches!(self.kind, GeomType::Box | GeomType::Mesh)
+    }
+
     /// Whether the shape has flat or straight parts, where more than one contact is possible.
     fn is_flat(&self) -> bool {
         !matches!(self.kind, GeomType::Sphere | GeomType::Ellipsoid)
     }
 
-    /// The point furthest in a direction, and the number of the corner of a box, or of the end of a
-    /// cylinder: 1 for the lower one.
-    fn support(&self, direction: Vec3) -> (Vec3, u8) {
+    /// The point furthest in a direction, and the number of the corner of a box, of the vertex of a
+    /// mesh, or of the end of a cylinder: 1 for the lower one.
+    fn support(&self, direction: Vec3) -> (Vec3, u32) {
         let shape = self.shape;
+        if let Some(mesh) = self.mesh {
+            let vertex = mesh.support(rotate_back(shape.mat, direction));
+            let point = add(rotate(shape.mat, mesh.vertex(vertex)), shape.pos);
+            return (point, vertex as u32);
+        }
         match self.kind {
             GeomType::Sphere => {
                 let reach = scale(direction, shape.size[0]);
@@ -68,14 +81,14 @@ impl<'a> Solid<'a> {
                         -shape.size[k]
                     }
                 });
-                let number = (0..3).fold(0, |number, k| number | u8::from(corner[k] > 0.0) << k);
+                let number = (0..3).fold(0, |number, k| number | u32::from(corner[k] > 0.0) << k);
                 (add(rotate(shape.mat, corner), shape.pos), number)
             }
         }
     }
 
     /// [`support`](Self::support) of the centre or axis, for shapes with a radius around it.
-    fn core(&self, direction: Vec3) -> (Vec3, u8) {
+    fn core(&self, direction: Vec3) -> (Vec3, u32) {
         match self.kind {
             GeomType::Sphere => (self.shape.pos, 0),
             GeomType::Capsule => (line_support(self.shape, direction), 0),
@@ -146,7 +159,7 @@ pub(super) fn one(
     polytope: &mut Polytope,
 ) -> Option<Touch> {
     let grown = 0.5 * margin;
-    let grow = |(point, corner): (Vec3, u8), direction: Vec3| {
+    let grow = |(point, corner): (Vec3, u32), direction: Vec3| {
         if grown > 0.0 {
             (add_scaled(point, direction, grown), corner)
         } else {
@@ -175,10 +188,13 @@ pub(super) fn one(
         };
         let cores =
             |direction: Vec3| Vertex::new(core(a, direction), core(b, scale(direction, -1.0)));
-        let found = gjk::distance(centers, reaches[0] + reaches[1], revision, &cores);
+        let finite = |solid: Solid<'_>| solid.is_discrete() || solid.radius().is_some();
+        let discrete = revision.shrinks_to_cores() && finite(a) && finite(b);
+        let reach = reaches[0] + reaches[1];
+        let found = gjk::distance(centers, reach, (revision, discrete), &cores);
         if found.distance > gjk::TOLERANCE {
             let [w1, w2] = found.nearest;
-            let dist = found.distance - (reaches[0] + reaches[1]);
+            let dist = found.distance - reach;
             let normal = normalize(sub(w2, w1)).0;
             let moved = |point: Vec3, by: f64| {
                 if by == 0.0 {
@@ -200,11 +216,12 @@ pub(super) fn one(
         let first = grow(a.support(direction), direction);
         Vertex::new(first, grow(b.support(back), back))
     };
-    let found = gjk::distance(centers, 0.0, revision, &whole);
+    let rules = (revision, margin == 0.0 && a.is_discrete() && b.is_discrete());
+    let found = gjk::distance(centers, 0.0, rules, &whole);
     if found.distance > gjk::TOLERANCE || found.separated {
         return None;
     }
-    let overlap = polytope.overlap(&found, revision, &whole)?;
+    let overlap = polytope.overlap(&found, rules, &whole)?;
     (overlap.depth > 0.0).then(|| Touch {
         dist: -overlap.depth,
         points: overlap.nearest,
@@ -214,7 +231,7 @@ pub(super) fn one(
 
 /// Returns for each shape the corners at the first three vertices. The first vertex stands in for
 /// missing vertices.
-fn corners(simplex: &[Vertex]) -> [[u8; 3]; 2] {
+fn corners(simplex: &[Vertex]) -> [[u32; 3]; 2] {
     let last = simplex.len() - 1;
     [0, 1].map(|k| [0, 1, 2].map(|i: usize| simplex[if i <= last { i } else { 0 }].corners[k]))
 }
@@ -226,7 +243,7 @@ pub(super) struct Touch {
     pub(super) dist: f64,
     pub(super) points: [Vec3; 2],
     /// For each shape, the corners at the contact.
-    pub(super) corners: [[u8; 3]; 2],
+    pub(super) corners: [[u32; 3]; 2],
 }
 
 impl Touch {
@@ -254,7 +271,7 @@ fn capsule_support(capsule: Shape<'_>, direction: Vec3) -> Vec3 {
 }
 
 /// The point of a cylinder furthest in a direction, and 1 if it is on the lower end.
-fn cylinder_support(cylinder: Shape<'_>, direction: Vec3) -> (Vec3, u8) {
+fn cylinder_support(cylinder: Shape<'_>, direction: Vec3) -> (Vec3, u32) {
     let &[radius, half, _] = cylinder.size;
     let local = rotate_back(cylinder.mat, direction);
     let square = local[0] * local[0] + local[1] * local[1];
@@ -269,7 +286,7 @@ fn cylinder_support(cylinder: Shape<'_>, direction: Vec3) -> (Vec3, u8) {
         if local[2] >= 0.0 { half } else { -half },
     ];
     let place = add(rotate(cylinder.mat, point), cylinder.pos);
-    (place, u8::from(point[2] < 0.0))
+    (place, u32::from(point[2] < 0.0))
 }
 
 /// The point of an ellipsoid furthest in a direction.

@@ -5,20 +5,21 @@
 //! It repeats MuJoCo's `engine_collision_gjk` operation by operation, down to the order of the list
 //! of faces, which decides between faces that are equally near.
 
+use super::features::Features;
 use super::gjk::{Found, ITERATIONS, LEAST, TOLERANCE, Vertex, project, weights_at};
 use crate::Revision;
 use crate::math::spatial::{MINVAL, Mat3, Vec3, add, cross, dot, norm, rotate, scale, sub};
+use crate::model::Polygons;
 
 /// The largest number of faces.
 const FACES: usize = 6 * ITERATIONS;
-
-/// The largest number of corners of a polygon that all sides of another face have clipped.
-const CUTS: usize = 64;
 
 /// A polytope that contains the origin.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Polytope {
     revision: Revision,
+    /// Whether both sets have finitely many support points.
+    discrete: bool,
     vertices: Vec<Vertex>,
     faces: Vec<Face>,
     center: Vec3,
@@ -26,9 +27,7 @@ pub(crate) struct Polytope {
     candidates: Vec<usize>,
     /// The horizon: faces that stay, each with the edge that it shares with a removed face.
     horizon: Vec<(usize, usize)>,
-    /// Buffers to clip polygons: the corners of the reference face, and the incident polygon before
-    /// and after it is clipped.
-    pub(super) polygons: [Vec<Vec3>; 3],
+    pub(super) features: Features,
 }
 
 #[cfg(test)]
@@ -36,7 +35,7 @@ impl Polytope {
     pub(crate) fn poison(&mut self) {
         use crate::physics::work::Poison;
         self.center.poison();
-        self.polygons.poison();
+        self.features.polygons.poison();
     }
 }
 
@@ -70,17 +69,17 @@ enum Standing {
 }
 
 impl Polytope {
-    /// Allocates a polytope that never needs to grow.
-    pub(crate) fn new(used: bool) -> Self {
-        if !used {
+    /// Allocates a polytope that never needs to grow; an empty one if no pair uses it.
+    pub(crate) fn new(sizes: Option<Polygons>) -> Self {
+        let Some(sizes) = sizes else {
             return Self::default();
-        }
+        };
         Self {
             vertices: Vec::with_capacity(ITERATIONS + 5),
             faces: Vec::with_capacity(FACES),
             candidates: Vec::with_capacity(FACES),
             horizon: Vec::with_capacity(FACES),
-            polygons: std::array::from_fn(|_| Vec::with_capacity(CUTS)),
+            features: Features::new(sizes.corners, sizes.degree),
             ..Self::default()
         }
     }
@@ -89,10 +88,10 @@ impl Polytope {
     pub(super) fn overlap(
         &mut self,
         found: &Found,
-        revision: Revision,
+        (revision, discrete): (Revision, bool),
         support: &impl Fn(Vec3) -> Vertex,
     ) -> Option<Overlap> {
-        self.revision = revision;
+        (self.revision, self.discrete) = (revision, discrete);
         self.vertices.clear();
         self.clear_faces();
         let s = &found.simplex;
@@ -366,6 +365,7 @@ impl Polytope {
     /// `epa`.
     fn expand(&mut self, support: &impl Fn(Vec3) -> Vertex) -> Option<usize> {
         let (mut upper, mut upper_square) = (f64::MAX, f64::MAX);
+        let tolerance = if self.discrete { MINVAL } else { TOLERANCE };
         let mut face = None;
         for iteration in 0..ITERATIONS {
             let before = face;
@@ -388,12 +388,18 @@ impl Polytope {
             let bound = dot(direction, w) / lower;
             // from 4.0 on, the search ends by the last bound, before 4.0 by the smallest bound
             let (last, slack) = if self.revision.projects_origin() {
-                (bound, TOLERANCE)
+                (bound, tolerance)
             } else {
                 (f64::min(bound, upper), 1e-10)
             };
-            if last - lower < TOLERANCE {
+            if last - lower < tolerance {
                 return face.filter(|_| iteration > 0 || last >= lower - slack);
+            }
+            // no point of the surface is further
+            let corners = self.vertices[vertex].corners;
+            let mut before = self.vertices[..vertex].iter();
+            if self.discrete && before.any(|known| known.corners == corners) {
+                return face;
             }
             if bound < upper {
                 (upper, upper_square) = (bound, bound * bound);

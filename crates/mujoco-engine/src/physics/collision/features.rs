@@ -1,7 +1,9 @@
-//! Faces and edges of boxes and cylinders, and the edge of a capsule, near a contact.
+//! Faces and edges of boxes, meshes and cylinders, and the edge of a capsule, near a contact.
 
 use super::Shape;
 use super::convex::Solid;
+use super::mesh::Mesh;
+use crate::Revision;
 use crate::math::spatial::{
     MINVAL, Mat3, Vec3, add, add_scaled, dot, norm, normalize, rotate, rotate_back, scale, sub,
 };
@@ -34,48 +36,43 @@ const COSINES: [f64; SIDES] = [
     0.923879532511287,
 ];
 
+/// The largest number of corners of a polygon that all sides of another face have clipped, without
+/// the corners of meshes.
+const CUTS: usize = 64;
+
 /// The cosine above which a direction counts as the normal of a box's face.
 const ALONG: f64 = 0.996;
 
-/// A list of up to three items.
-#[derive(Clone, Copy)]
-pub(super) struct Few<T> {
-    things: [T; 3],
-    number: usize,
+/// Buffers for the features of two shapes near a contact.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Features {
+    pub(super) faces: [Vec<Face>; 2],
+    pub(super) edges: Vec<Edge>,
+    /// The corners of the reference face, and the incident polygon before and after it is clipped.
+    pub(super) polygons: [Vec<Vec3>; 3],
 }
 
-impl<T: Copy + Default> Few<T> {
-    fn of(things: impl IntoIterator<Item = T>) -> Self {
-        let (mut few, mut number) = ([T::default(); 3], 0);
-        for thing in things {
-            few[number] = thing;
-            number += 1;
-        }
+impl Features {
+    /// Allocates buffers for polygons of so many corners, and so many polygons at a vertex.
+    pub(super) fn new(corners: usize, degree: usize) -> Self {
         Self {
-            things: few,
-            number,
+            faces: std::array::from_fn(|_| Vec::with_capacity(degree.max(3))),
+            edges: Vec::with_capacity(degree.max(3)),
+            polygons: std::array::from_fn(|_| Vec::with_capacity(CUTS + 4 * corners)),
         }
-    }
-
-    pub(super) fn iter(&self) -> std::slice::Iter<'_, T> {
-        self.things[..self.number].iter()
-    }
-
-    pub(super) fn is_empty(&self) -> bool {
-        self.number == 0
     }
 }
 
 /// A face: of a cylinder 0 is the upper end and 1 the lower; of a box, 2k and 2k + 1 are the faces
-/// at the upper and lower end of axis k.
-#[derive(Clone, Copy, Default)]
+/// at the upper and lower end of axis k; of a mesh, the number is the polygon's.
+#[derive(Clone, Copy, Debug)]
 pub(super) struct Face {
-    pub(super) number: u8,
+    pub(super) number: u32,
     pub(super) normal: Vec3,
 }
 
-/// An edge of a box, or the axis of a cylinder.
-#[derive(Clone, Copy, Default)]
+/// An edge of a box or mesh, or the axis of a cylinder.
+#[derive(Clone, Copy, Debug)]
 pub(super) struct Edge {
     pub(super) direction: Vec3,
     ends: [Vec3; 2],
@@ -99,11 +96,11 @@ impl Edge {
 /// The corners of a shape at a contact, and the number of different corners.
 pub(super) struct Dimension {
     pub(super) number: usize,
-    corners: [u8; 3],
+    corners: [u32; 3],
 }
 
 impl Dimension {
-    pub(super) fn of([a, b, c]: [u8; 3]) -> Self {
+    pub(super) fn of([a, b, c]: [u32; 3]) -> Self {
         let (number, corners) = match () {
             () if a == b && a == c => (1, [a, b, c]),
             () if a == b => (2, [a, c, c]),
@@ -114,99 +111,147 @@ impl Dimension {
     }
 }
 
-/// Returns the faces with all corners of `span`. If no face of a box has all corners, returns the
-/// face whose normal is nearest to `outward`.
-pub(super) fn faces(solid: Solid<'_>, span: &Dimension, outward: Vec3) -> Few<Face> {
-    match solid.kind {
-        GeomType::Cylinder if span.number == 1 => {
+/// Lists the faces with all corners of `span`. If no face of a box has all corners, lists the face
+/// whose normal is nearest to `outward`; before 4.0 also if an edge of a box has only one face.
+pub(super) fn faces(
+    solid: Solid<'_>,
+    span: &Dimension,
+    outward: Vec3,
+    revision: Revision,
+    list: &mut Vec<Face>,
+) {
+    list.clear();
+    let mat = solid.shape.mat;
+    match (solid.kind, solid.mesh) {
+        (GeomType::Cylinder, _) if span.number == 1 => {
             let number = span.corners[0];
             let sign = if number == 0 { 1.0 } else { -1.0 };
-            Few::of([Face {
-                number,
-                normal: rotate(solid.shape.mat, [0.0, 0.0, sign]),
-            }])
+            let normal = rotate(mat, [0.0, 0.0, sign]);
+            list.push(Face { number, normal });
         }
-        GeomType::Box => box_faces(solid.shape.mat, span, outward),
-        _ => Few::of([]),
+        (GeomType::Box, _) => box_faces(mat, span, outward, revision, list),
+        (_, Some(mesh)) => {
+            let face = |number: &u32| Face {
+                number: *number,
+                normal: rotate(mat, mesh.normal(*number)),
+            };
+            let [first, others @ ..] = &span.corners[..span.number] else {
+                return;
+            };
+            // an edge has two faces, three vertices have one
+            let has = |k: usize, polygon: &u32| {
+                let other = others.get(k);
+                other.is_none_or(|vertex| mesh.polygons_at(*vertex).contains(polygon))
+            };
+            let most = |number: usize, count: usize| match span.number {
+                least if least >= number => count,
+                _ => usize::MAX,
+            };
+            let first = mesh.polygons_at(*first).iter();
+            let common = first.filter(|polygon| has(0, polygon)).take(most(2, 2));
+            let common = common.filter(|polygon| has(1, polygon)).take(most(3, 1));
+            list.extend(common.map(face));
+        }
+        _ => {}
     }
 }
 
-fn box_faces(mat: &Mat3, span: &Dimension, outward: Vec3) -> Few<Face> {
+fn box_faces(
+    mat: &Mat3,
+    span: &Dimension,
+    outward: Vec3,
+    revision: Revision,
+    list: &mut Vec<Face>,
+) {
     let corners = &span.corners[..span.number];
-    let face = |number: u8| {
+    let face = |number: u32| {
         let mut normal = [0.0; 3];
-        normal[usize::from(number / 2)] = if number.is_multiple_of(2) { 1.0 } else { -1.0 };
+        normal[number as usize / 2] = if number.is_multiple_of(2) { 1.0 } else { -1.0 };
         Face {
             number,
             normal: rotate(mat, normal),
         }
     };
-    let shared = (0..3).filter_map(|axis: u8| {
-        let upper = |corner: &u8| corner >> axis & 1 == 1;
+    list.extend((0..3).filter_map(|axis: u32| {
+        let upper = |corner: &u32| corner >> axis & 1 == 1;
         match corners.iter().filter(|corner| upper(corner)).count() {
             0 => Some(face(2 * axis + 1)),
             count => (count == corners.len()).then(|| face(2 * axis)),
         }
-    });
-    let shared = Few::of(shared);
-    let known = if span.number == 3 {
-        shared.number == 1
+    }));
+    let known = if span.number == 2 && revision.clips_faces() {
+        !list.is_empty()
     } else {
-        !shared.is_empty()
+        list.len() == 4 - span.number
     };
     if known {
-        return shared;
+        return;
     }
     let local = rotate_back(mat, outward);
     let local = scale(local, 1.0 / norm(local));
-    let looks = |number: &u8| {
-        let along = local[usize::from(number / 2)];
+    let looks = |number: &u32| {
+        let along = local[*number as usize / 2];
         (if number.is_multiple_of(2) {
             along
         } else {
             -along
         }) > ALONG
     };
-    Few::of((0..6).find(looks).map(face))
+    list.clear();
+    list.extend((0..6).find(looks).map(face));
 }
 
-/// The edges at the corners of a shape. `deepest` is the shape's deepest point in the other.
-pub(super) fn edges(solid: Solid<'_>, span: &Dimension, deepest: Vec3) -> Few<Edge> {
+/// Lists the edges at the corners of a shape. `deepest` is the shape's deepest point in the other.
+pub(super) fn edges(solid: Solid<'_>, span: &Dimension, deepest: Vec3, list: &mut Vec<Edge>) {
+    list.clear();
     let shape = solid.shape;
-    match solid.kind {
-        GeomType::Capsule => {
+    let [first, second, _] = span.corners;
+    let corner = |number: u32| match solid.mesh {
+        Some(mesh) => mesh_corner(shape, mesh, number),
+        None => box_corner(shape, number),
+    };
+    let edge = |to: u32| {
+        let ends = [first, to].map(corner);
+        Edge {
+            direction: normalize(sub(ends[1], ends[0])).0,
+            ends,
+        }
+    };
+    match (solid.kind, solid.mesh) {
+        (GeomType::Capsule, _) => {
             let (axis, half) = (shape.axis(), shape.size[1]);
             let place = dot(sub(deepest, shape.pos), axis);
-            Few::of([Edge {
+            list.push(Edge {
                 direction: axis,
                 ends: [-place - half, half - place].map(|along| add_scaled(deepest, axis, along)),
-            }])
+            });
         }
-        GeomType::Cylinder => Few::of([Edge {
+        (GeomType::Cylinder, _) => list.push(Edge {
             direction: shape.axis(),
             ends: [[0.0; 3]; 2],
-        }]),
-        GeomType::Box => {
-            let [first, second, _] = span.corners;
-            let edge = |to: u8| {
-                let ends = [first, to].map(|corner| box_corner(shape, corner));
-                Edge {
-                    direction: normalize(sub(ends[1], ends[0])).0,
-                    ends,
-                }
+        }),
+        (GeomType::Box | GeomType::Mesh, _) if span.number == 2 => list.push(edge(second)),
+        (GeomType::Box, _) => list.extend([1, 2, 4].map(|axis| edge(first ^ axis))),
+        (_, Some(mesh)) => {
+            // in each polygon, the edge that ends at the vertex
+            let before = |polygon: &u32| {
+                let corners = mesh.outline(*polygon);
+                let place = corners.iter().position(|corner| *corner == first)?;
+                Some(corners[(place + corners.len() - 1) % corners.len()])
             };
-            if span.number == 2 {
-                Few::of([edge(second)])
-            } else {
-                Few::of([1, 2, 4].map(|axis| edge(first ^ axis)))
-            }
+            list.extend(mesh.polygons_at(first).iter().filter_map(before).map(edge));
         }
-        _ => Few::of([]),
+        _ => {}
     }
 }
 
+/// A vertex of a mesh in the world.
+fn mesh_corner(shape: Shape<'_>, mesh: &Mesh<'_>, vertex: u32) -> Vec3 {
+    add(rotate(shape.mat, mesh.vertex(vertex as usize)), shape.pos)
+}
+
 /// A corner of a box. Bit k of `corner`: whether the corner is at the upper end of axis k.
-fn box_corner(shape: Shape<'_>, corner: u8) -> Vec3 {
+fn box_corner(shape: Shape<'_>, corner: u32) -> Vec3 {
     let local = std::array::from_fn(|k| match corner >> k & 1 {
         1 => shape.size[k],
         _ => -shape.size[k],
@@ -215,9 +260,9 @@ fn box_corner(shape: Shape<'_>, corner: u8) -> Vec3 {
 }
 
 /// Lists the corners of a face.
-pub(super) fn outline(solid: Solid<'_>, face: u8, corners: &mut Vec<Vec3>) {
+pub(super) fn outline(solid: Solid<'_>, face: u32, corners: &mut Vec<Vec3>) {
     /// The corners of each face of a box.
-    const BOX: [[u8; 4]; 6] = [
+    const BOX: [[u32; 4]; 6] = [
         [7, 3, 1, 5],
         [2, 6, 4, 0],
         [2, 3, 7, 6],
@@ -228,7 +273,12 @@ pub(super) fn outline(solid: Solid<'_>, face: u8, corners: &mut Vec<Vec3>) {
     corners.clear();
     let shape = solid.shape;
     if solid.kind == GeomType::Box {
-        corners.extend(BOX[usize::from(face)].map(|corner| box_corner(shape, corner)));
+        corners.extend(BOX[face as usize].map(|corner| box_corner(shape, corner)));
+        return;
+    }
+    if let Some(mesh) = solid.mesh {
+        let numbers = mesh.outline(face).iter().rev();
+        corners.extend(numbers.map(|vertex| mesh_corner(shape, mesh, *vertex)));
         return;
     }
     let sign = if face == 0 { 1.0 } else { -1.0 };

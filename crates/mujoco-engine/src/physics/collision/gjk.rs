@@ -23,11 +23,11 @@ pub(super) struct Vertex {
     pub(super) w2: Vec3,
     pub(super) x: Vec3,
     /// The number of each set's corner or end at the point.
-    pub(super) corners: [u8; 2],
+    pub(super) corners: [u32; 2],
 }
 
 impl Vertex {
-    pub(super) fn new((w1, first): (Vec3, u8), (w2, second): (Vec3, u8)) -> Self {
+    pub(super) fn new((w1, first): (Vec3, u32), (w2, second): (Vec3, u32)) -> Self {
         Self {
             w1,
             w2,
@@ -66,17 +66,18 @@ impl Found {
 /// point of the first set in this direction, and of the second set in the opposite direction.
 ///
 /// `centers` has a point of each set. The algorithm stops once the distance is known to exceed
-/// `reach`. With a `reach` of 0, the algorithm only decides whether the sets overlap.
+/// `reach`. With a `reach` of 0, the algorithm only decides whether the sets overlap. If both sets
+/// have finitely many support points (`discrete`), it does not stop before the nearest ones.
 pub(super) fn distance(
     centers: [Vec3; 2],
     reach: f64,
-    revision: Revision,
+    (revision, discrete): (Revision, bool),
     support: &impl Fn(Vec3) -> Vertex,
 ) -> Found {
     if revision.projects_origin() {
-        distance_4_0(centers, reach, revision, support)
+        distance_4_0(centers, reach, (revision, discrete), support)
     } else {
-        distance_3_12(centers, reach, revision, support)
+        distance_3_12(centers, reach, (revision, discrete), support)
     }
 }
 
@@ -84,6 +85,15 @@ pub(super) fn distance(
 /// origin.
 fn toward_origin(x: Vec3, length: f64, support: &impl Fn(Vec3) -> Vertex) -> Vertex {
     support(scale(scale(x, 1.0 / length), -1.0))
+}
+
+/// The least gain, in squared length, for which the search continues.
+fn slack(discrete: bool) -> f64 {
+    if discrete {
+        0.0
+    } else {
+        0.5 * (TOLERANCE * TOLERANCE)
+    }
 }
 
 /// Drops the vertices whose weight in `found` is zero, and returns how many are left.
@@ -103,22 +113,23 @@ fn drop_vertices(simplex: &mut [Vertex; 4], weights: &mut [f64; 4], found: [f64;
 fn distance_3_12(
     centers: [Vec3; 2],
     reach: f64,
-    revision: Revision,
+    (revision, discrete): (Revision, bool),
     support: &impl Fn(Vec3) -> Vertex,
 ) -> Found {
     let (mut simplex, mut weights, mut number) = ([Vertex::default(); 4], [0.0; 4], 0);
     let mut nearest = centers;
     let mut portal = reach == 0.0;
+    let least = if discrete { MINVAL } else { TOLERANCE };
     let mut x = sub(centers[0], centers[1]);
     let (mut length, mut before) = (norm(x), 0.0);
     let mut iteration = 0;
     while iteration < ITERATIONS {
-        if length < TOLERANCE || f64::abs(before - length) < MINVAL {
+        if length < least || f64::abs(before - length) < MINVAL {
             break;
         }
         let vertex = toward_origin(x, length, support);
         let s = vertex.x;
-        if dot(x, sub(x, s)) < 0.5 * (TOLERANCE * TOLERANCE) {
+        if dot(x, sub(x, s)) < slack(discrete) {
             break;
         }
         let along = dot(x, s);
@@ -181,11 +192,12 @@ fn distance_3_12(
 fn distance_4_0(
     centers: [Vec3; 2],
     reach: f64,
-    revision: Revision,
+    (revision, discrete): (Revision, bool),
     support: &impl Fn(Vec3) -> Vertex,
 ) -> Found {
     let (mut simplex, mut weights, mut number) = ([Vertex::default(); 4], [0.0; 4], 0);
-    let least = if reach > 0.0 { MINVAL } else { TOLERANCE };
+    let exact = reach > 0.0 || discrete;
+    let least = if exact { MINVAL } else { TOLERANCE };
     let mut x = sub(centers[0], centers[1]);
     let mut length = norm(x);
     if length < MINVAL {
@@ -201,7 +213,7 @@ fn distance_4_0(
                 return Found::beyond();
             }
         }
-        if iteration > 0 && dot(x, sub(x, vertex.x)) < 0.5 * (TOLERANCE * TOLERANCE) {
+        if iteration > 0 && dot(x, sub(x, vertex.x)) < slack(discrete) {
             break;
         }
         simplex[number] = vertex;

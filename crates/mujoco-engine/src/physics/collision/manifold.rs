@@ -5,7 +5,7 @@
 use super::Push;
 use super::convex::{Solid, Touch, one};
 use super::epa::Polytope;
-use super::features::{Dimension, Edge, Face, Few, edges, faces, outline};
+use super::features::{Dimension, Edge, Face, Features, edges, faces, outline};
 use crate::Revision;
 use crate::math::spatial::{
     MINVAL, Vec3, add, add_scaled, cross, dot, norm, normalize, scale, sub,
@@ -13,24 +13,24 @@ use crate::math::spatial::{
 use crate::model::GeomType;
 
 /// The greatest sine of the angle between two directions that count as parallel.
-const SLOPE: f64 = 0.0888;
+pub(super) const SLOPE: f64 = 0.0888;
 
 /// The cosine above which two faces count as parallel.
-const PARALLEL: f64 = 0.996;
+pub(super) const PARALLEL: f64 = 0.996;
 
 /// Most contacts of two shapes.
-const MOST: usize = 4;
+pub(super) const MOST: usize = 4;
 
 /// A reference face, and the incident face or edge of the other shape.
-struct Incidence {
+pub(super) struct Incidence {
     /// Which of the two shapes has the face.
-    shape: usize,
-    face: Face,
-    incident: Incident,
+    pub(super) shape: usize,
+    pub(super) face: Face,
+    pub(super) incident: Incident,
 }
 
 /// The feature of the other shape that is clipped against the reference face.
-enum Incident {
+pub(super) enum Incident {
     Face(Face),
     Edge([Vec3; 2]),
 }
@@ -47,39 +47,53 @@ pub(super) fn contacts(
     let Some(touch) = one(a, b, margin, revision, polytope) else {
         return;
     };
-    let [side, polygon, cut] = &mut polytope.polygons;
-    polygon.clear();
-    let incidence = find_incidence([a, b], &touch);
+    let features = &mut polytope.features;
+    let Some(incidence) = find_incidence([a, b], &touch, revision, features) else {
+        push(touch.hit(margin));
+        return;
+    };
     let grown = [a, b].map(|solid| match solid.kind {
         GeomType::Capsule => 0.0, // the collision of capsules adds the radius
         _ => 0.5 * margin,
     });
-    if let Some(incidence) = &incidence {
-        outline([a, b][incidence.shape], incidence.face.number, side);
-        match &incidence.incident {
-            Incident::Face(face) => outline([a, b][1 - incidence.shape], face.number, polygon),
-            Incident::Edge(ends) => polygon.extend(ends),
-        }
-        cut_by_sides(polygon, side, incidence.face.normal, cut);
-        let height = |p: Vec3| dot(sub(p, side[0]), incidence.face.normal);
-        polygon.retain(|p| height(*p) <= grown[0] + grown[1]);
-        if polygon.len() > MOST {
-            keep(polygon, largest(polygon));
-        } else if polygon.len() > 2 && matches!(incidence.incident, Incident::Edge(_)) {
-            keep(polygon, furthest_apart(polygon));
-        }
+    incidence.clip([a, b], grown[0] + grown[1], revision, features);
+    let [side, polygon, _] = &mut features.polygons;
+    if polygon.len() > MOST {
+        keep(polygon, largest(polygon, polygon.len(), area));
+    } else if polygon.len() > 2 && matches!(incidence.incident, Incident::Edge(_)) {
+        keep(polygon, furthest_apart(polygon));
     }
-    match incidence {
-        Some(incidence) if !polygon.is_empty() => {
-            for &p in polygon.iter() {
-                push(incidence.touch(p, side[0], grown).hit(margin));
-            }
+    let touch_at = |p: &Vec3| incidence.touch(*p, side[0], grown);
+    if polygon.is_empty() {
+        push(touch.hit(margin));
+    } else if polygon.iter().any(|p| touch_at(p).dist < 0.0) {
+        for p in polygon.iter() {
+            push(touch_at(p).hit(margin));
         }
-        _ => push(touch.hit(margin)),
     }
 }
 
 impl Incidence {
+    /// Lists the corners of the face, and clips the incident feature by its sides. Drops points
+    /// that are above the face by more than `most`.
+    pub(super) fn clip(
+        &self,
+        solids: [Solid<'_>; 2],
+        most: f64,
+        revision: Revision,
+        features: &mut Features,
+    ) {
+        let [side, polygon, cut] = &mut features.polygons;
+        polygon.clear();
+        outline(solids[self.shape], self.face.number, side);
+        match &self.incident {
+            Incident::Face(face) => outline(solids[1 - self.shape], face.number, polygon),
+            Incident::Edge(ends) => polygon.extend(ends),
+        }
+        cut_by_sides(polygon, side, self.face.normal, revision, cut);
+        polygon.retain(|p| dot(sub(*p, side[0]), self.face.normal) <= most);
+    }
+
     /// Returns the contact at the point `p` of the incident feature. `corner` is a corner of the
     /// reference face; `grown` is half the margin for each shape, and 0 for a capsule.
     fn touch(&self, p: Vec3, corner: Vec3, grown: [f64; 2]) -> Touch {
@@ -111,12 +125,24 @@ impl Incidence {
 }
 
 /// Finds a reference face and an incident face or edge; `None` if none are parallel.
-fn find_incidence(solids: [Solid<'_>; 2], touch: &Touch) -> Option<Incidence> {
+fn find_incidence(
+    solids: [Solid<'_>; 2],
+    touch: &Touch,
+    revision: Revision,
+    features: &mut Features,
+) -> Option<Incidence> {
     let [w1, w2] = touch.points;
     let outward = [sub(w1, w2), sub(w2, w1)];
     let spans = touch.corners.map(Dimension::of);
-    let found = [0, 1].map(|k| faces(solids[k], &spans[k], outward[k]));
-    if let Some([first, second]) = parallel(&found, outward) {
+    let Features {
+        faces: found,
+        edges: list,
+        ..
+    } = features;
+    for k in [0, 1] {
+        faces(solids[k], &spans[k], outward[k], revision, &mut found[k]);
+    }
+    if let Some([first, second]) = parallel(found, outward) {
         return Some(Incidence {
             shape: 0,
             face: first,
@@ -132,13 +158,13 @@ fn find_incidence(solids: [Solid<'_>; 2], touch: &Touch) -> Option<Incidence> {
             continue;
         }
         let point = touch.points[with_edge];
-        let edges = edges(solids[with_edge], &spans[with_edge], point);
+        edges(solids[with_edge], &spans[with_edge], point, list);
         for face in found[with_face].iter() {
             if dot(face.normal, outward[with_face]) <= MINVAL {
                 continue;
             }
             let flat = |edge: &&Edge| dot(edge.direction, face.normal).abs() < SLOPE;
-            if let Some(edge) = edges.iter().find(flat) {
+            if let Some(edge) = list.iter().find(flat) {
                 return edge
                     .ends(solids[with_edge], face.normal)
                     .map(|ends| Incidence {
@@ -153,7 +179,7 @@ fn find_incidence(solids: [Solid<'_>; 2], touch: &Touch) -> Option<Incidence> {
 }
 
 /// Returns the most parallel pair among the faces whose normals point along the contact normal.
-fn parallel(found: &[Few<Face>; 2], outward: [Vec3; 2]) -> Option<[Face; 2]> {
+fn parallel(found: &[Vec<Face>; 2], outward: [Vec3; 2]) -> Option<[Face; 2]> {
     let least = norm(outward[1]) * SLOPE;
     let [first, second] = [0, 1].map(|k| {
         let faces = found[k].iter();
@@ -173,25 +199,41 @@ fn parallel(found: &[Few<Face>; 2], outward: [Vec3; 2]) -> Option<[Face; 2]> {
 
 /// Clips a polygon by the planes through the sides `side` of a face that are parallel to the face's
 /// normal.
-fn cut_by_sides(polygon: &mut Vec<Vec3>, side: &[Vec3], normal: Vec3, cut: &mut Vec<Vec3>) {
+fn cut_by_sides(
+    polygon: &mut Vec<Vec3>,
+    side: &[Vec3],
+    normal: Vec3,
+    revision: Revision,
+    cut: &mut Vec<Vec3>,
+) {
     for (k, &corner) in side.iter().enumerate() {
         let along = sub(side[(k + 1) % side.len()], corner);
         let outward = normalize(cross(along, sub(add(corner, normal), corner))).0;
-        cut_by_side(polygon, corner, outward, cut);
+        cut_by_side(polygon, corner, outward, revision, cut);
         std::mem::swap(polygon, cut);
     }
 }
 
 /// Clips the polygon `line` by a plane. `kept` is the part on the side to which the plane's normal
 /// points.
-fn cut_by_side(line: &[Vec3], corner: Vec3, normal: Vec3, kept: &mut Vec<Vec3>) {
+fn cut_by_side(
+    line: &[Vec3],
+    corner: Vec3,
+    normal: Vec3,
+    revision: Revision,
+    kept: &mut Vec<Vec3>,
+) {
     kept.clear();
     for (i, &p) in line.iter().enumerate() {
         let q = line[(i + 1) % line.len()];
         let [from, to] = [p, q].map(|point| dot(sub(point, corner), normal));
         let [starts, stays] = [from, to].map(|height| height > -MINVAL);
         if starts != stays {
-            let share = from / (from - to);
+            let share = if revision.clips_faces() {
+                from / (from - to)
+            } else {
+                (dot(normal, corner) - dot(normal, p)) / dot(normal, sub(q, p))
+            };
             if (0.0..=1.0).contains(&share) {
                 kept.push(add_scaled(p, sub(q, p), share));
             }
@@ -202,14 +244,14 @@ fn cut_by_side(line: &[Vec3], corner: Vec3, normal: Vec3, kept: &mut Vec<Vec3>) 
     }
 }
 
-fn keep<const N: usize>(points: &mut Vec<Vec3>, kept: [usize; N]) {
+pub(super) fn keep<const N: usize>(points: &mut Vec<Vec3>, kept: [usize; N]) {
     let kept = kept.map(|i| points[i]);
     points.clear();
     points.extend(kept);
 }
 
 /// The two points that are furthest apart.
-fn furthest_apart(points: &[Vec3]) -> [usize; 2] {
+pub(super) fn furthest_apart(points: &[Vec3]) -> [usize; 2] {
     let (mut best, mut most) = ([0, 1], 0.0);
     for (i, &p) in points.iter().enumerate() {
         for (j, &q) in points.iter().enumerate().skip(i + 1) {
@@ -223,16 +265,18 @@ fn furthest_apart(points: &[Vec3]) -> [usize; 2] {
     best
 }
 
-/// The four corners of a convex polygon with the largest area, by rotating calipers.
-fn largest(polygon: &[Vec3]) -> [usize; 4] {
+/// Four corners of a convex polygon with the largest area, by rotating calipers. The first is one
+/// of the first `starts` corners of the polygon.
+pub(super) fn largest(
+    polygon: &[Vec3],
+    starts: usize,
+    area: impl Fn([Vec3; 4]) -> f64,
+) -> [usize; 4] {
     let next = |i: usize| (i + 1) % polygon.len();
-    let area = |a: usize, b: usize, c: usize, d: usize| {
-        let diagonals = [(a, c), (b, d)].map(|(i, j)| sub(polygon[i], polygon[j]));
-        0.5 * norm(cross(diagonals[0], diagonals[1]))
-    };
+    let area = |a: usize, b: usize, c: usize, d: usize| area([a, b, c, d].map(|i| polygon[i]));
     let (mut b, mut c, mut d) = (1, 2, 3);
     let (mut best, mut most) = ([0, 1, 2, 3], area(0, 1, 2, 3));
-    for a in 0..polygon.len() {
+    for a in 0..starts {
         while area(a, b, c, next(d)) > most {
             d = next(d);
             most = area(a, b, c, d);
@@ -257,4 +301,9 @@ fn largest(polygon: &[Vec3]) -> [usize; 4] {
         }
     }
     best
+}
+
+/// The area of a quadrilateral, by its diagonals.
+pub(super) fn area([a, b, c, d]: [Vec3; 4]) -> f64 {
+    0.5 * norm(cross(sub(a, c), sub(b, d)))
 }

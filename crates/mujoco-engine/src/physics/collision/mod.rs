@@ -12,6 +12,8 @@ mod epa;
 mod features;
 mod gjk;
 mod manifold;
+mod manifold_3_12;
+mod mesh;
 mod primitive;
 
 use crate::math::number::{self, Number};
@@ -27,6 +29,8 @@ pub(super) use primitive::above_plane;
 use box_box::box_box;
 use boxes::{plane_box, sphere_box, sphere_cylinder};
 use capsule_box::capsule_box;
+use convex::Solid;
+use mesh::{Mesh, plane_neighbours, plane_polygon};
 use primitive::{
     capsule_capsule, plane_capsule, plane_cylinder, plane_sphere, sphere_capsule, sphere_sphere,
 };
@@ -123,20 +127,7 @@ pub(in crate::physics) fn touch(
             convex::plane_ellipsoid(a, b, margin, m.revision, push);
         }
         (GeomType::Plane, GeomType::Plane) => {} // never touch
-        (first, second) => {
-            let [a, b] =
-                [(first, a), (second, b)].map(|(kind, shape)| convex::Solid { kind, shape });
-            if m.opt.disables(Disable::MultiCcd) {
-                if let Some(touch) = convex::one(a, b, margin, m.revision, polytope) {
-                    push(touch.hit(margin));
-                }
-            } else if m.revision.clips_faces() {
-                manifold::contacts(a, b, margin, m.revision, polytope, push);
-            } else {
-                let apart = 1e-3 * m.geom_rbound[pair.geom[0]].min(m.geom_rbound[pair.geom[1]]);
-                convex::contacts(a, b, (margin, apart), m.revision, polytope, push);
-            }
-        }
+        _ => general(m, pair, [a, b], polytope, push),
     }
     let shallow = |contact: &Contact| contact.dist > pair.margin - ROUNDING;
     if pair.boxed
@@ -145,6 +136,43 @@ pub(in crate::physics) fn touch(
         && bounds::apart(m, pair, [a, b], inertial)
     {
         contacts.truncate(first);
+    }
+}
+
+/// The contacts of pairs without a routine of their own.
+fn general(
+    m: &Model,
+    pair: &Pair,
+    [a, b]: [Shape<'_>; 2],
+    polytope: &mut Polytope,
+    push: Push<'_>,
+) {
+    let (margin, [g1, g2]) = (pair.margin, pair.geom);
+    let meshes = [(pair.kind.0, g1), (pair.kind.1, g2)]
+        .map(|(kind, g)| Mesh::of(m, g).filter(|_| kind == GeomType::Mesh));
+    let [first, second] = [0, 1].map(|k| meshes[k].as_ref());
+    if let (GeomType::Plane, Some(mesh)) = (pair.kind.0, second) {
+        if m.revision.clips_faces() {
+            plane_polygon(a, b, mesh, margin, &mut polytope.features, push);
+        } else {
+            plane_neighbours(a, b, mesh, m.geom_rbound[g2], margin, push);
+        }
+        return;
+    }
+    let solid = |kind, shape, mesh| Solid { kind, shape, mesh };
+    let a = solid(pair.kind.0, a, first);
+    let b = solid(pair.kind.1, b, second);
+    if m.opt.disables(Disable::MultiCcd) {
+        if let Some(touch) = convex::one(a, b, margin, m.revision, polytope) {
+            push(touch.hit(margin));
+        }
+    } else if m.revision.clips_faces() {
+        manifold::contacts(a, b, margin, m.revision, polytope, push);
+    } else if margin == 0.0 && a.is_discrete() && b.is_discrete() {
+        manifold_3_12::contacts(a, b, m.revision, polytope, push);
+    } else {
+        let apart = 1e-3 * m.geom_rbound[g1].min(m.geom_rbound[g2]);
+        convex::contacts(a, b, (margin, apart), m.revision, polytope, push);
     }
 }
 

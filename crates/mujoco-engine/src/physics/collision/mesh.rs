@@ -1,0 +1,287 @@
+//! The convex hull of a mesh: its furthest point in a direction, its polygons, and its contacts
+//! with a plane.
+
+use std::cell::Cell;
+
+use super::features::Features;
+use super::manifold::{area, keep, largest};
+use super::{Hit, Push, Shape};
+use crate::math::spatial::{Vec3, add, add_scaled, dot, norm, rotate, rotate_back, scale, sub};
+use crate::model::CompiledModel;
+
+/// Meshes with fewer vertices are searched exhaustively: MuJoCo's `mjMESH_HILLCLIMB_MIN`.
+const FEW: usize = 10;
+
+/// The component above which a direction counts as along an axis, where a search begins.
+const ALONG: f64 = 0.4;
+
+/// The most contacts with a plane before 4.0.
+const PLANE_MOST: usize = 3;
+
+/// The least distance of such contacts from the first, in bounding radii.
+const PLANE_APART: f64 = 0.3;
+
+/// The arrays of a mesh, and the vertex at which the next search begins.
+#[derive(Debug)]
+pub(super) struct Mesh<'a> {
+    vertices: &'a [[f32; 3]],
+    hull: Option<Hull<'a>>,
+    normals: &'a [Vec3],
+    /// Where the corners of each polygon begin in `corners`, and their number.
+    starts: &'a [usize],
+    counts: &'a [usize],
+    corners: &'a [u32],
+    /// Where the polygons of each vertex begin in `polygons`, and their number.
+    map_starts: &'a [usize],
+    map_counts: &'a [usize],
+    polygons: &'a [u32],
+    /// The last vertex found for this pair of geoms, by its number in the search: in the hull if
+    /// `climbs`, else in the mesh. Where several vertices are equally far, the result depends on it.
+    last: Cell<Option<usize>>,
+}
+
+/// The vertices of a hull and their neighbours: MuJoCo's `mesh_graph`.
+#[derive(Clone, Copy, Debug)]
+struct Hull<'a> {
+    /// Where the neighbours of each vertex begin; the rest of the graph follows.
+    starts: &'a [i32],
+    /// The number of each vertex in the mesh.
+    ids: &'a [i32],
+    /// The lists of neighbours, by their numbers in the hull; each ends with -1.
+    neighbours: &'a [i32],
+    /// Where searches begin, by direction.
+    seeds: &'a [u32; 27],
+}
+
+impl<'a> Hull<'a> {
+    fn neighbours(&self, start: usize) -> impl Iterator<Item = usize> + use<'a> {
+        let list = self.neighbours.get(start..).unwrap_or_default().iter();
+        list.map_while(|other| usize::try_from(*other).ok())
+    }
+
+    fn id(&self, vertex: usize) -> usize {
+        self.ids[vertex] as usize
+    }
+}
+
+impl<'a> Mesh<'a> {
+    /// The mesh of a geom; `None` for other shapes.
+    pub(super) fn of(m: &'a CompiledModel, geom: usize) -> Option<Self> {
+        let mesh = usize::try_from(*m.geom_dataid.get(geom)?).ok()?;
+        let m = &*m.meshes;
+        let (first, count) = (m.mesh_vertadr[mesh], m.mesh_vertnum[mesh]);
+        let vertices = first..first + count;
+        let polygons = m.mesh_polyadr[mesh]..m.mesh_polyadr[mesh] + m.mesh_polynum[mesh];
+        let hull = usize::try_from(m.mesh_graphadr[mesh]).ok().map(|start| {
+            let (count, starts) = (m.mesh_graph[start] as usize, &m.mesh_graph[start + 2..]);
+            Hull {
+                starts,
+                ids: &starts[count..2 * count],
+                neighbours: &starts[2 * count..],
+                seeds: &m.mesh_extrema[mesh],
+            }
+        });
+        Some(Self {
+            vertices: &m.mesh_vert[vertices.clone()],
+            hull,
+            normals: &m.mesh_polynormal[polygons.clone()],
+            starts: &m.mesh_polyvertadr[polygons.clone()],
+            counts: &m.mesh_polyvertnum[polygons],
+            corners: &m.mesh_polyvert,
+            map_starts: &m.mesh_polymapadr[vertices.clone()],
+            map_counts: &m.mesh_polymapnum[vertices],
+            polygons: &m.mesh_polymap,
+            last: Cell::new(None),
+        })
+    }
+
+    pub(super) fn vertex(&self, number: usize) -> Vec3 {
+        self.vertices[number].map(f64::from)
+    }
+
+    pub(super) fn has_polygons(&self) -> bool {
+        !self.normals.is_empty()
+    }
+
+    pub(super) fn normal(&self, polygon: u32) -> Vec3 {
+        self.normals[polygon as usize]
+    }
+
+    /// The vertices of a polygon.
+    pub(super) fn outline(&self, polygon: u32) -> &'a [u32] {
+        let (start, count) = (self.starts[polygon as usize], self.counts[polygon as usize]);
+        &self.corners[start..start + count]
+    }
+
+    /// The polygons at a vertex.
+    pub(super) fn polygons_at(&self, vertex: u32) -> &'a [u32] {
+        let vertex = vertex as usize;
+        let (start, count) = (self.map_starts[vertex], self.map_counts[vertex]);
+        &self.polygons[start..start + count]
+    }
+
+    fn along(&self, local: Vec3, vertex: usize) -> f64 {
+        dot(local, self.vertex(vertex))
+    }
+
+    /// The number of the vertex that is furthest in a direction of the geom's frame: MuJoCo's
+    /// `mjc_meshSupport` and `mjc_hillclimbSupport`.
+    pub(super) fn support(&self, local: Vec3) -> usize {
+        match self.hull {
+            Some(hull) if self.vertices.len() >= FEW => self.climb(&hull, local),
+            _ => self.search(local),
+        }
+    }
+
+    fn search(&self, local: Vec3) -> usize {
+        let mut best = self.last.get().unwrap_or(0);
+        let mut most = match self.last.get() {
+            Some(last) => self.along(local, last),
+            None => -f64::from(f32::MAX),
+        };
+        for vertex in 0..self.vertices.len() {
+            let along = self.along(local, vertex);
+            if along > most {
+                (best, most) = (vertex, along);
+            }
+        }
+        self.last.set(Some(best));
+        best
+    }
+
+    fn climb(&self, hull: &Hull<'_>, local: Vec3) -> usize {
+        let cell = local.map(|x| 1 + usize::from(x > ALONG) - usize::from(x < -ALONG));
+        let seed = hull.seeds[9 * cell[0] + 3 * cell[1] + cell[2]] as usize;
+        let along = |vertex: usize| self.along(local, hull.id(vertex));
+        let best = match self.last.get() {
+            Some(last) if along(seed) <= along(last) => last,
+            _ => seed,
+        };
+        let best = hull.climb(best, along);
+        self.last.set(Some(best));
+        hull.id(best)
+    }
+}
+
+impl Hull<'_> {
+    /// Moves from a vertex to better neighbours until there is none. A round compares the
+    /// neighbours of the vertex at its start.
+    fn climb(&self, start: usize, along: impl Fn(usize) -> f64) -> usize {
+        let (mut best, mut most) = (start, along(start));
+        loop {
+            let before = best;
+            for other in self.neighbours(self.starts[before] as usize) {
+                let height = along(other);
+                if height > most {
+                    (best, most) = (other, height);
+                }
+            }
+            if best == before {
+                return best;
+            }
+        }
+    }
+}
+
+/// The contact of a plane at a point.
+fn plane_point(plane: Shape<'_>, point: Vec3) -> Hit {
+    let normal = plane.axis();
+    let dist = dot(normal, sub(point, plane.pos));
+    Hit::new(dist, add_scaled(point, normal, -0.5 * dist), normal)
+}
+
+/// The contacts of a plane and a mesh before 4.0, at most three: the lowest vertex, and its
+/// neighbours that are below the margin and not near it. MuJoCo's `mjc_PlaneConvex`.
+pub(super) fn plane_neighbours(
+    plane: Shape<'_>,
+    shape: Shape<'_>,
+    mesh: &Mesh<'_>,
+    radius: f64,
+    margin: f64,
+    push: Push<'_>,
+) {
+    let normal = plane.axis();
+    let local = rotate_back(shape.mat, scale(normal, -1.0));
+    let at = |vertex: usize| add(rotate(shape.mat, mesh.vertex(vertex)), shape.pos);
+    // the search of libccd, which begins at the first vertex
+    let climbs = mesh.hull.filter(|_| mesh.vertices.len() >= FEW);
+    let number = match climbs {
+        Some(hull) => hull.climb(0, |vertex| mesh.along(local, hull.id(vertex))),
+        None => mesh.search(local),
+    };
+    let lowest = climbs.map_or(number, |hull| hull.id(number));
+    let first = plane_point(plane, at(lowest));
+    if first.dist > margin {
+        return;
+    }
+    push(first);
+    let (mut count, least) = (1, dot(normal, sub(shape.pos, plane.pos)) - margin);
+    let mut other = |vertex: usize| {
+        let below = count < PLANE_MOST && mesh.along(local, vertex) > least;
+        if below && norm(sub(at(vertex), first.pos)) >= PLANE_APART * radius {
+            push(plane_point(plane, at(vertex)));
+            count += 1;
+        }
+    };
+    match mesh.hull {
+        None => {
+            let others = (0..mesh.vertices.len()).filter(|vertex| *vertex != number);
+            others.for_each(other);
+        }
+        // in a small mesh, the number is one of the mesh, but MuJoCo looks it up in the graph
+        Some(hull) => {
+            let start = hull.starts.get(number).copied().unwrap_or_default();
+            let neighbours = usize::try_from(start).map(|start| hull.neighbours(start));
+            for vertex in neighbours.into_iter().flatten() {
+                if let Some(&id) = hull.ids.get(vertex) {
+                    other(id as usize);
+                }
+            }
+        }
+    }
+}
+
+/// The contacts of a plane and a mesh from 4.0 on, at most four: corners of the polygon at the
+/// lowest vertex that looks most toward the plane.
+pub(super) fn plane_polygon(
+    plane: Shape<'_>,
+    shape: Shape<'_>,
+    mesh: &Mesh<'_>,
+    margin: f64,
+    features: &mut Features,
+    push: Push<'_>,
+) {
+    let local = rotate_back(shape.mat, scale(plane.axis(), -1.0));
+    let at = |vertex: Vec3| add(rotate(shape.mat, vertex), shape.pos);
+    let lowest = mesh.support(local) as u32;
+    if plane_point(plane, at(mesh.vertex(lowest as usize))).dist > margin {
+        return;
+    }
+    let mut best = None;
+    for &polygon in mesh.polygons_at(lowest) {
+        let along = dot(mesh.normal(polygon), local);
+        if best.is_none_or(|(most, _)| along > most) {
+            best = Some((along, polygon));
+        }
+    }
+    let corners = best.map_or(&[][..], |(_, polygon)| mesh.outline(polygon));
+    let polygon = &mut features.polygons[0];
+    polygon.clear();
+    if corners.is_empty() {
+        polygon.push(mesh.vertex(lowest as usize));
+    }
+    let first = corners.iter().position(|corner| *corner == lowest);
+    let (before, after) = corners.split_at(first.unwrap_or(0));
+    let vertex = |number: &u32| mesh.vertex(*number as usize);
+    polygon.extend(after.iter().chain(before).map(vertex));
+    if polygon.len() > 4 {
+        // in the geom's frame, so that the choice does not depend on the pose
+        keep(polygon, largest(polygon, 1, area));
+    }
+    for &corner in polygon.iter() {
+        let hit = plane_point(plane, at(corner));
+        if hit.dist <= margin && dot(local, corner) > 0.0 {
+            push(hit);
+        }
+    }
+}

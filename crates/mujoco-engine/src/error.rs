@@ -10,19 +10,6 @@ pub enum Error {
     /// A compiled model whose fields are inconsistent, or with an unsupported feature.
     #[error("the compiled model is not valid: {0}")]
     Model(String),
-    /// Two geoms that can touch, of a combination of shapes whose contacts are not supported.
-    #[error(
-        "geoms {first} and {second} can touch, but contacts of {kinds} are not supported (exclude the bodies, or change contype \
-         and conaffinity)"
-    )]
-    Pair {
-        /// The first geom.
-        first: usize,
-        /// The second geom.
-        second: usize,
-        /// Their shapes.
-        kinds: String,
-    },
     /// A text that is not a model, or that uses an unsupported part of MJCF.
     #[error("line {line}: <{element}>{}: {reason}", attribute.as_ref().map_or_else(String::new, |name| format!(" attribute {name:?}")))]
     Mjcf {

@@ -3,10 +3,11 @@
 use std::f64::consts::PI;
 
 use crate::Revision;
+use crate::math::axes::Axes;
 use crate::math::libm;
 pub(super) use crate::math::spatial::MINVAL;
-use crate::math::spatial::{InTurn, Mat3, Order, Quat, inertia_at};
-use crate::mjcf::orientation::{IDENTITY, compose, unit};
+use crate::math::spatial::{InTurn, Order, Quat, inertia_at};
+use crate::mjcf::orientation::{compose, unit};
 use crate::model::GeomType;
 
 /// Mass, centre and principal moments of inertia of a body, or of a geom within its body.
@@ -174,12 +175,7 @@ pub(super) fn combine(parts: &[Inertia], revision: Revision) -> Option<Inertia> 
 }
 
 /// Principal moments of an inertia matrix (xx, yy, zz, xy, xz, yz), falling, and the orientation of
-/// their axes: Jacobi's method on a quaternion, in the order of `mju_eig3`, because a principal
-/// frame is only determined up to the choices made on the way.
-///
-/// From MuJoCo 3.14 on, the iteration stops when the largest off-diagonal element is small relative
-/// to the largest element of the matrix, no longer by absolute limits, and computes half the turn
-/// from its tangent.
+/// their axes.
 pub(super) fn principal_axes(total: [f64; 6], revision: Revision) -> ([f64; 3], Quat) {
     principal_axes_within(total, revision, 4e-15)
 }
@@ -191,88 +187,12 @@ pub(super) fn principal_axes_within(
     revision: Revision,
     rest: f64,
 ) -> ([f64; 3], Quat) {
-    const EIG_EPS: f64 = 1e-12;
-    const MAX_ITERATIONS: usize = 500;
-    // the square root of one half, with the digits of libmujoco
-    #[expect(
-        clippy::approx_constant,
-        reason = "the last digits of the moments' axes depend on it"
-    )]
-    const QUARTER_TURN: f64 = 0.707106781186548;
     let full = [xx, xy, xz, xy, yy, yz, xz, yz, zz];
-    let largest = full.iter().fold(0.0, |most, x| f64::max(most, x.abs()));
-    let (least, rising) = if revision.turns_by_half_tangent() {
-        // a number equal to the limit counts as small
-        (
-            (rest * largest).next_up(),
-            f64::max(rest, EIG_EPS) * largest,
-        )
-    } else {
-        (EIG_EPS, EIG_EPS)
+    let axes = Axes {
+        half_tangents: revision.turns_by_half_tangent(),
+        rest,
+        unit: |quat| unit(quat).0,
+        product: |a, b| unit(compose(a, b)).0,
     };
-    let mut quat = IDENTITY;
-    let mut moments = [0.0; 3];
-    for _ in 0..MAX_ITERATIONS {
-        let d = in_axes(&full, &InTurn::quat_to_mat(quat));
-        moments = [d[0][0], d[1][1], d[2][2]];
-        // the largest entry off the diagonal, and the axis of the rotation that removes it
-        let (row, column, axis) = if d[0][1].abs() > d[0][2].abs() && d[0][1].abs() > d[1][2].abs()
-        {
-            (0, 1, 2)
-        } else if d[0][2].abs() > d[1][2].abs() {
-            (0, 2, 1)
-        } else {
-            (1, 2, 0)
-        };
-        let off = d[row][column];
-        if off.abs() < least {
-            break;
-        }
-        let tau = (d[column][column] - d[row][row]) / (2.0 * off);
-        let root = (1.0 + tau * tau).sqrt();
-        let tan = if tau >= 0.0 {
-            1.0 / (tau + root)
-        } else {
-            -1.0 / (root - tau)
-        };
-        let (cos, sin) = if revision.turns_by_half_tangent() {
-            let tan = tan / (1.0 + (1.0 + tan * tan).sqrt());
-            let cos = 1.0 / (1.0 + tan * tan).sqrt();
-            (cos, tan * cos)
-        } else {
-            let cos = 1.0 / (1.0 + tan * tan).sqrt();
-            if cos > 1.0 - EIG_EPS {
-                break;
-            }
-            let sin = (0.5 - 0.5 * cos).sqrt();
-            ((1.0 - sin * sin).sqrt(), sin.copysign(tan))
-        };
-        let mut turn = [cos, 0.0, 0.0, 0.0];
-        turn[axis + 1] = if axis == 1 { sin } else { -sin };
-        if !revision.turns_by_half_tangent() {
-            turn = unit(turn).0;
-        }
-        quat = unit(compose(quat, turn)).0;
-    }
-    for pair in [0, 1, 0] {
-        if moments[pair] + rising < moments[pair + 1] {
-            moments.swap(pair, pair + 1);
-            let mut quarter = [QUARTER_TURN, 0.0, 0.0, 0.0];
-            quarter[(pair + 2) % 3 + 1] = quarter[0];
-            quat = unit(compose(quat, quarter)).0;
-        }
-    }
-    (moments, quat)
-}
-
-/// `axes' full axes`.
-fn in_axes(full: &Mat3, axes: &Mat3) -> [[f64; 3]; 3] {
-    let half = |i: usize, j: usize| {
-        (0..3)
-            .map(|k| axes[3 * k + i] * full[3 * k + j])
-            .sum::<f64>()
-    };
-    std::array::from_fn(|i| {
-        std::array::from_fn(|j| (0..3).map(|k| half(i, k) * axes[3 * k + j]).sum())
-    })
+    axes.of(&full)
 }

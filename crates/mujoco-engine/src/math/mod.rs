@@ -2,6 +2,7 @@
 //!
 //! A quaternion is `w, x, y, z`. A matrix is row-major.
 
+pub(crate) mod axes;
 pub(crate) mod dense;
 pub(crate) mod libm;
 pub(crate) mod number;

@@ -58,6 +58,8 @@ changes! {
     /// The contacts of two convex shapes are found at once, by clipping faces, instead of by turning
     /// the shapes. (3.15)
     clips_faces since V3_17;
+    /// The boxes around moving bodies are not compared in single precision.
+    sweeps_otherwise since V3_17;
     /// Convex shapes with a margin are compared without it first.
     shrinks_to_cores since V3_17;
     /// The nearest points of capsules are positions between the ends of their segments.

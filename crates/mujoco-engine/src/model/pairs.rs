@@ -23,6 +23,8 @@ pub(crate) struct Pair {
     /// Whether boxes around the geoms must overlap too. MuJoCo skips this test (its middle phase)
     /// for bodies with one geom each, and for pairs that the model lists.
     pub(crate) boxed: bool,
+    /// Whether boxes around the bodies must overlap too.
+    pub(crate) swept: bool,
     pub(crate) dim: u8,
     /// The number of rows of a contact.
     pub(crate) rows: usize,
@@ -151,12 +153,7 @@ impl Plan {
     }
 
     /// Builds the pair of two geoms; `None` for two planes, which never touch.
-    fn pair(
-        &self,
-        m: &CompiledModel,
-        [g1, g2]: [usize; 2],
-        figures: &Figures,
-    ) -> Option<Pair> {
+    fn pair(&self, m: &CompiledModel, [g1, g2]: [usize; 2], figures: &Figures) -> Option<Pair> {
         let [g1, g2] = by_type(m, [g1, g2]);
         let kind = (m.geom_type[g1], m.geom_type[g2]);
         if kind == (GeomType::Plane, GeomType::Plane) {
@@ -183,6 +180,7 @@ impl Plan {
             includemargin,
             reach: m.geom_rbound[g1] + m.geom_rbound[g2] + margin,
             boxed: figures.boxed,
+            swept: figures.swept,
             dim,
             rows: match (dim, m.opt.cone) {
                 (1, _) => 1,
@@ -240,6 +238,7 @@ struct Figures {
     includemargin: f64,
     gap: f64,
     boxed: bool,
+    swept: bool,
 }
 
 impl Figures {
@@ -254,6 +253,7 @@ impl Figures {
             includemargin: m.pair_margin[i],
             gap: m.pair_gap[i],
             boxed: false,
+            swept: false,
         }
     }
 
@@ -273,8 +273,17 @@ impl Figures {
             gap: m.geom_gap[g1] + m.geom_gap[g2],
             boxed: !m.opt.disables(Disable::MidPhase)
                 && [g1, g2].map(|g| m.body_geomnum[m.geom_bodyid[g]]) != [1; 2],
+            swept: !m.revision.sweeps_otherwise()
+                && [g1, g2].iter().all(|g| is_swept(m, m.geom_bodyid[*g])),
         }
     }
+}
+
+/// Whether MuJoCo compares boxes around a body before its geoms: not around the world, or a body
+/// that cannot move and has a plane.
+fn is_swept(m: &CompiledModel, body: usize) -> bool {
+    let moves = m.body_dofnum[m.body_weldid[body]] > 0;
+    body != 0 && (moves || m.geoms_of(body).all(|g| m.geom_type[g] != GeomType::Plane))
 }
 
 /// The bodies of pair `i` that the model lists, the smaller id first.
@@ -297,7 +306,10 @@ pub(super) fn most_contacts(kind: (GeomType, GeomType)) -> usize {
         (GeomType::Plane, GeomType::Cylinder | GeomType::Box | GeomType::Mesh) => 4,
         (GeomType::Box, GeomType::Box) => 8,
         (GeomType::Capsule | GeomType::Cylinder, GeomType::Cylinder | GeomType::Box) => 5,
-        (GeomType::Capsule | GeomType::Cylinder | GeomType::Box | GeomType::Mesh, GeomType::Mesh) => 5,
+        (
+            GeomType::Capsule | GeomType::Cylinder | GeomType::Box | GeomType::Mesh,
+            GeomType::Mesh,
+        ) => 5,
         _ => 1,
     }
 }

@@ -241,6 +241,9 @@ impl Plan {
         for g in plan.pairs.iter().flat_map(|pair| pair.geom) {
             plan.geoms_read[g] = true;
         }
+        if plan.pairs.iter().any(|pair| pair.swept) {
+            plan.geoms_read.fill(true);
+        }
         plan.sites_read =
             paths || m.neq() > 0 || m.actuator_trntype.contains(&TransmissionType::Site);
         let tree = |body: usize| Tree::new(m, body, m.geoms_of(body));
@@ -264,7 +267,8 @@ impl Plan {
             m.ntendon(),
             m.ntree(),
             m.opt.integrator as usize,
-            plan.deep.map_or(0, |polygons| 1 + polygons.corners + polygons.degree),
+            plan.deep
+                .map_or(0, |polygons| 1 + polygons.corners + polygons.degree),
         ];
         Ok(plan)
     }

@@ -65,18 +65,11 @@ pub(crate) struct Spec {
 }
 
 impl Spec {
-    /// Adds the line and element of the XML that caused `error`, an error of the compiled model.
+    /// Adds a line and element of the XML to `error`, an error of the compiled model.
     pub(crate) fn located(&self, error: Error) -> Error {
-        let geom = match error {
-            Error::Pair { second, .. } => {
-                self.bodies.iter().flat_map(|body| &body.geoms).nth(second)
-            }
-            _ => None,
-        };
-        match (geom, self.bodies.first()) {
-            (Some(geom), _) => geom.place.attribute("type", error.to_string()),
-            (None, Some(world)) => world.place.error(error.to_string()),
-            (None, None) => error,
+        match self.bodies.first() {
+            Some(world) => world.place.error(error.to_string()),
+            None => error,
         }
     }
 }

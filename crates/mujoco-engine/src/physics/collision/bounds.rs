@@ -4,10 +4,6 @@
 //! For bodies with several geoms, MuJoCo compares the boxes before it computes contacts:
 //! `mj_collideOBB`. Where geoms touch, only rounding can separate their boxes. So the test runs
 //! only if all contacts are within rounding of the margin.
-//!
-//! MuJoCo's broad phase, `mj_SAP`, has boxes around whole bodies, in a frame that depends on the
-//! positions of all geoms. It is not repeated here. It matters rarely: of 180,000 random poses of
-//! two bodies that touch up to rounding, it dropped contacts in 13 of 3,600 groups of 50.
 
 use super::Shape;
 use crate::Model;

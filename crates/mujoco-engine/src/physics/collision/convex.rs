@@ -216,7 +216,10 @@ pub(super) fn one(
         let first = grow(a.support(direction), direction);
         Vertex::new(first, grow(b.support(back), back))
     };
-    let rules = (revision, margin == 0.0 && a.is_discrete() && b.is_discrete());
+    let rules = (
+        revision,
+        margin == 0.0 && a.is_discrete() && b.is_discrete(),
+    );
     let found = gjk::distance(centers, 0.0, rules, &whole);
     if found.distance > gjk::TOLERANCE || found.separated {
         return None;

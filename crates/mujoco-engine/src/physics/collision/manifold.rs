@@ -159,7 +159,7 @@ fn find_incidence(
         }
         let point = touch.points[with_edge];
         edges(solids[with_edge], &spans[with_edge], point, list);
-        for face in found[with_face].iter() {
+        for face in &found[with_face] {
             if dot(face.normal, outward[with_face]) <= MINVAL {
                 continue;
             }

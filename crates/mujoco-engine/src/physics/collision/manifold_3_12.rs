@@ -75,7 +75,10 @@ fn find_incidence(
     revision: Revision,
     features: &mut Features,
 ) -> Option<Incidence> {
-    if solids.iter().any(|solid| solid.mesh.is_some_and(|mesh| !mesh.has_polygons())) {
+    if solids
+        .iter()
+        .any(|solid| solid.mesh.is_some_and(|mesh| !mesh.has_polygons()))
+    {
         return None;
     }
     let [w1, w2] = touch.points;
@@ -105,7 +108,12 @@ fn find_incidence(
         () if d2 < 3 => 1,
         () => return None,
     };
-    edges(solids[with_edge], &spans[with_edge], touch.points[with_edge], list);
+    edges(
+        solids[with_edge],
+        &spans[with_edge],
+        touch.points[with_edge],
+        list,
+    );
     found[1 - with_edge].iter().find_map(|face| {
         let flat = |edge: &&Edge| dot(edge.direction, face.normal).abs() < SLOPE;
         let edge = list.iter().find(flat)?;

@@ -15,6 +15,7 @@ mod manifold;
 mod manifold_3_12;
 mod mesh;
 mod primitive;
+mod sweep;
 
 use crate::math::number::{self, Number};
 use crate::math::spatial::{
@@ -80,31 +81,47 @@ pub fn collision(m: &Model, d: &mut Data) {
     d.contact.clear();
     let (plan, n) = (m.plan(), m.ngeom());
     let (xpos, xmat) = (&d.geom_xpos[..n], &d.geom_xmat[..n]);
+    let mut axes = None;
     for (index, reach) in plan.reaches.iter().enumerate() {
         if out_of_reach(xpos, xmat, reach) {
             continue;
         }
         let frames = plan.pairs[index].geom.map(|g| (xpos[g], &xmat[g]));
-        let inertial = |body: usize| (d.xipos[body], d.ximat[body]);
-        let polytope = &mut d.work.polytope;
-        touch(m, index, (frames, inertial), polytope, &mut d.contact);
+        let places = Places {
+            frames,
+            inertial: |body: usize| (d.xipos[body], d.ximat[body]),
+            geom: |g: usize| (xpos[g], xmat[g]),
+            axes: &mut axes,
+        };
+        touch(m, index, places, &mut d.work.polytope, &mut d.contact);
     }
 }
 
-/// Adds the contacts of a pair of geoms whose bounding volumes touch. The caller gives the frames
-/// of the geoms, and the inertial frames of bodies.
+/// The frames that contacts of a pair depend on.
+pub(in crate::physics) struct Places<'a, I, G> {
+    /// Of the two geoms.
+    pub(in crate::physics) frames: [(Vec3, &'a Mat3); 2],
+    /// The inertial frame of a body.
+    pub(in crate::physics) inertial: I,
+    /// The frame of a geom.
+    pub(in crate::physics) geom: G,
+    /// The axes of `sweep`, computed once for all pairs of a state.
+    pub(in crate::physics) axes: &'a mut Option<Mat3>,
+}
+
+/// Adds the contacts of a pair of geoms whose bounding volumes touch.
 #[inline(never)]
 pub(in crate::physics) fn touch(
     m: &Model,
     index: usize,
-    (frames, inertial): ([(Vec3, &Mat3); 2], impl Fn(usize) -> Frame),
+    places: Places<'_, impl Fn(usize) -> Frame, impl Fn(usize) -> Frame>,
     polytope: &mut Polytope,
     contacts: &mut Vec<Contact>,
 ) {
     let pair = &m.plan().pairs[index];
     let [a, b] = [0, 1].map(|k| Shape {
-        pos: frames[k].0,
-        mat: frames[k].1,
+        pos: places.frames[k].0,
+        mat: places.frames[k].1,
         size: &m.geom_size[pair.geom[k]],
     });
     let first = contacts.len();
@@ -129,12 +146,22 @@ pub(in crate::physics) fn touch(
         (GeomType::Plane, GeomType::Plane) => {} // never touch
         _ => general(m, pair, [a, b], polytope, push),
     }
-    let shallow = |contact: &Contact| contact.dist > pair.margin - ROUNDING;
-    if pair.boxed
-        && contacts.len() > first
-        && contacts[first..].iter().all(shallow)
-        && bounds::apart(m, pair, [a, b], inertial)
-    {
+    if contacts.len() == first {
+        return;
+    }
+    let found = &contacts[first..];
+    let near = |contact: &Contact| contact.dist > pair.margin - ROUNDING;
+    let mut dropped =
+        pair.boxed && found.iter().all(near) && bounds::apart(m, pair, [a, b], places.inertial);
+    let shallow = |contact: &Contact| sweep::may_separate(contact, pair.margin);
+    if !dropped && pair.swept && found.iter().all(shallow) {
+        let axes = places
+            .axes
+            .get_or_insert_with(|| sweep::axes(m, &places.geom));
+        let bodies = pair.geom.map(|g| m.geom_bodyid[g]);
+        dropped = sweep::apart(m, axes, bodies, &places.geom);
+    }
+    if dropped {
         contacts.truncate(first);
     }
 }

@@ -12,7 +12,9 @@ use super::{Arrays, At, PerWorld, WORLDS, load, same, store};
 use crate::math::number;
 use crate::math::spatial::{add, column, scale};
 use crate::model::{GeomType, Pair};
-use crate::physics::collision::{Polytope, ROUNDING, above_plane, contact_at, frame, touch};
+use crate::physics::collision::{
+    Places, Polytope, ROUNDING, above_plane, contact_at, frame, touch,
+};
 use crate::physics::rows::{contact_jacobian, pyramid, regularization};
 use crate::{Contact, Model};
 
@@ -346,8 +348,13 @@ impl Rows {
         };
         let mut contacts = std::mem::take(&mut self.contacts[world]);
         let first = contacts.len();
-        let (polytope, places) = (&mut self.polytope, (frames, inertial));
-        touch(m, index, places, polytope, &mut contacts);
+        let places = Places {
+            frames,
+            inertial,
+            geom: |g: usize| (of(&a.geom_xpos[g]), mat(g)),
+            axes: &mut None,
+        };
+        touch(m, index, places, &mut self.polytope, &mut contacts);
         for contact in &mut contacts[first..] {
             if contact.dist >= contact.includemargin || pair.trees == [None, None] {
                 continue;

@@ -31,6 +31,19 @@ SHAPES = {
 UNLIKE = [("cylinder", "4.0.0")]
 
 
+def corners(points):
+    return " ".join(f"{x:.4g}" for point in points for x in point)
+
+
+def pebble(count):
+    """Points on an ellipsoid."""
+    random = np.random.RandomState(1)
+    for _ in range(count):
+        x, y, z = (random.uniform(-1, 1) for _ in range(3))
+        length = math.sqrt(x * x + y * y + z * z)
+        yield 0.1 * x / length, 0.08 * y / length, 0.13 * z / length
+
+
 def models():
     def two(first, second, world=""):
         bodies = "".join(f"<body><freejoint/>{geoms}</body>" for geoms in (first, second))
@@ -52,6 +65,31 @@ def models():
     slot = '<geom type="box" size=".1 .05 .2" pos=".2 0 0"/><geom type="box" size=".1 .05 .2" pos="-.2 0 0"/>'
     yield "peg-slot", two(slot, peg)
     floor = '<geom type="plane" size="5 5 .1" pos="0 0 .07" euler="{}"/>'
+    meshes = {
+        "tetrahedron": "0 0 0 .2 0 0 0 .2 0 0 0 .2",
+        "block": corners((x, y, z) for x in (-0.1, 0.1) for y in (-0.125, 0.125) for z in (-0.2, 0.2)),
+        "prism": corners((0.125 * math.cos(k * math.pi / 3), 0.125 * math.sin(k * math.pi / 3), z) for z in (-0.1, 0.1) for k in range(6)),
+        "pebble": corners(pebble(40)),
+    }
+    asset = "".join(f'<mesh name="{name}" inertia="shell" vertex="{vertices}"/>' for name, vertices in meshes.items())
+
+    def with_meshes(first, second, world="", option=""):
+        heavy = '<inertial pos="0 0 0" mass="1" diaginertia="1 1 1"/>'
+        bodies = "".join(f"<body><freejoint/>{heavy}{geoms}</body>" for geoms in (first, second))
+        return f"<mujoco>{option}<asset>{asset}</asset><worldbody>{world}{bodies}</worldbody></mujoco>"
+
+    def mesh(name, more=""):
+        return f'<geom type="mesh" mesh="{name}"{more}/>'
+
+    for name in meshes:
+        for shape in SHAPES:
+            if (shape, mujoco.__version__) not in UNLIKE:
+                yield f"{shape}-{name}", with_meshes(SHAPES[shape], mesh(name))
+        yield f"floor-{name}", with_meshes(beside, mesh(name), floor.format("30 20 10"))
+        yield f"pebble-{name}", with_meshes(mesh("pebble") + beside, mesh(name))
+    yield "block-prism", with_meshes(mesh("block"), mesh("prism"))
+    yield "block-prism-margin", with_meshes(mesh("block", ' margin=".01"'), mesh("prism", ' margin=".01" gap=".005"'))
+    yield "block-prism-single", with_meshes(mesh("block"), mesh("prism"), option='<option><flag multiccd="disable"/></option>')
     yield "capsule-floor", two(beside, CAPSULE, floor.format("0 0 0"))
     yield "capsule-slope", two(beside, CAPSULE, floor.format("30 20 10"))
 

@@ -1,6 +1,7 @@
 //! Bodies: ids, frames, masses.
 
 use super::inertia::{self, Inertia};
+use super::mesh::Mesh;
 use super::{geom, joint};
 use crate::Result;
 use crate::math::spatial::EPS;
@@ -9,7 +10,14 @@ use crate::mjcf::orientation::within;
 use crate::mjcf::spec::{Body, Inertial, Moments, Spec};
 use crate::model::CompiledModel;
 
-pub(super) fn add_body(m: &mut CompiledModel, spec: &Spec, id: usize, body: &Body) -> Result<()> {
+/// Adds a body with its joints, geoms and sites; `meshes` are those of the model.
+pub(super) fn add_body(
+    m: &mut CompiledModel,
+    spec: &Spec,
+    meshes: &[Mesh],
+    id: usize,
+    body: &Body,
+) -> Result<()> {
     let parent = body.parent;
     m.names.body.push(body.name.clone());
     m.body_parentid.push(parent);
@@ -62,10 +70,8 @@ pub(super) fn add_body(m: &mut CompiledModel, spec: &Spec, id: usize, body: &Bod
     // the world has no mass
     let weighs = id > 0 && from_geoms(body, spec);
     for geom in &body.geoms {
-        let weighs = weighs && (first..=last).contains(&geom.group);
-        geom::check_mesh(geom, spec, weighs)?;
-        let part = geom::add_geom(m, spec, id, geom)?;
-        if weighs {
+        let part = geom::add_geom(m, spec, meshes, id, geom)?;
+        if weighs && (first..=last).contains(&geom.group) {
             parts.push(part);
         }
     }
@@ -87,7 +93,7 @@ pub(super) fn add_body(m: &mut CompiledModel, spec: &Spec, id: usize, body: &Bod
 }
 
 /// The id of the first of `count` elements, if the next free id is `next`; -1 if `count` is 0.
-fn address(next: usize, count: usize) -> i32 {
+pub(super) fn address(next: usize, count: usize) -> i32 {
     if count == 0 { -1 } else { next as i32 }
 }
 

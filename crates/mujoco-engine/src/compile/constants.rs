@@ -65,15 +65,18 @@ fn boxed(m: CompiledModel) -> Result<Box<Model>> {
     Model::new(m).map(Box::new)
 }
 
-/// The radius of the bounding sphere of a shape; 0 for a plane or a mesh.
+/// The radius of the bounding sphere of a shape; 0 for a plane. The size of a mesh is that of a box
+/// around it.
 pub(crate) fn bounding_radius(shape: GeomType, size: [f64; 3]) -> f64 {
     match shape {
-        GeomType::Plane | GeomType::Mesh => 0.0,
+        GeomType::Plane => 0.0,
         GeomType::Sphere => size[0],
         GeomType::Capsule => size[0] + size[1],
         GeomType::Cylinder => (size[0] * size[0] + size[1] * size[1]).sqrt(),
         GeomType::Ellipsoid => size[0].max(size[1]).max(size[2]),
-        GeomType::Box => (size[0] * size[0] + size[1] * size[1] + size[2] * size[2]).sqrt(),
+        GeomType::Box | GeomType::Mesh => {
+            (size[0] * size[0] + size[1] * size[1] + size[2] * size[2]).sqrt()
+        }
     }
 }
 

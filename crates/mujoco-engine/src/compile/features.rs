@@ -182,19 +182,5 @@ fn unsupported(m: &CompiledModel) -> Result<()> {
         !(sees && m.geom_type.contains(&GeomType::Mesh)),
         "rangefinders, which see meshes, in a model with meshes: not supported"
     );
-    ensure!(
-        !senses_mesh(m),
-        "sensors of a mesh, whose centre is not computed: not supported"
-    );
     Ok(())
-}
-
-/// Whether a sensor refers to a mesh.
-fn senses_mesh(m: &CompiledModel) -> bool {
-    let objects = m.sensor_objtype.iter().zip(&m.sensor_objid);
-    let references = m.sensor_reftype.iter().zip(&m.sensor_refid);
-    objects.chain(references).any(|(kind, id)| {
-        let geom = usize::try_from(*id).ok().and_then(|g| m.geom_type.get(g));
-        *kind == ObjectType::Geom && geom == Some(&GeomType::Mesh)
-    })
 }

@@ -3,22 +3,26 @@
 use super::constants::bounding_radius;
 use super::fluid;
 use super::inertia::{self, Inertia};
+use super::mesh::Mesh;
 use crate::Result;
-use crate::math::spatial::EPS;
-use crate::mjcf::orientation::{from_z, unit, within};
+use crate::math::spatial::{EPS, add};
+use crate::mjcf::orientation::{from_z, turned, unit, within};
 use crate::mjcf::spec::{Frame, Geom, Site, Spec};
 use crate::mjcf::xml::Place;
+use crate::model::bounds::{Bounds, shape_box};
 use crate::model::{CompiledModel, Fluid, GeomType};
 
 /// Adds a geom; returns its mass, and its centre and axes in the body's frame.
 pub(super) fn add_geom(
     m: &mut CompiledModel,
     spec: &Spec,
+    meshes: &[Mesh],
     body: usize,
     geom: &Geom,
 ) -> Result<Inertia> {
     let Geom { place, shape, .. } = geom;
     let mut size = geom.size;
+    let mesh = mesh_of(geom, spec)?;
     let own = match geom.fromto {
         None => {
             let quat = geom.orientation.resolve(&spec.compiler);
@@ -31,6 +35,10 @@ pub(super) fn add_geom(
                     "only capsules, cylinders, ellipsoids and boxes have ends: give type=\"capsule\"",
                 ));
             }
+            if mesh.is_some() {
+                let reason = "does not go with mesh, which has a place of its own";
+                return Err(place.attribute("fromto", reason));
+            }
             let positioned = geom.pos.is_some_and(|pos| pos != [0.0; 3]);
             between(place, ends, &mut size, positioned)?
         }
@@ -38,20 +46,32 @@ pub(super) fn add_geom(
     if geom.fromto.is_some() && matches!(shape, GeomType::Ellipsoid | GeomType::Box) {
         size = [size[0], size[0], size[1]];
     }
+    let own = match mesh {
+        Some(id) => own_frame(geom, spec, &meshes[id], &mut size, own)?,
+        None => own,
+    };
     let (pos, quat) = within(geom.frame, own);
     check_size(geom, size)?;
+    // the mesh itself, not one that a shape was fitted to
+    let surface = mesh
+        .filter(|_| *shape == GeomType::Mesh)
+        .map(|id| &meshes[id]);
     if *shape == GeomType::Plane && m.body_weldid[body] != 0 {
         let reason = "a plane belongs to the world or to a body fixed to it";
         return Err(place.attribute("type", reason));
     }
-    let volume = inertia::volume(*shape, size, geom.shell);
+    let volume = match surface {
+        Some(mesh) => mesh.volume,
+        None => inertia::volume(*shape, size, geom.shell),
+    };
     let mass = match geom.mass {
         // MuJoCo ignores the `mass` of a shape without volume
         Some(mass) if mass == 0.0 || volume > EPS => mass,
         Some(_) => 0.0,
         None => geom.density * volume,
     };
-    let material = match &geom.material {
+    let of_mesh = mesh.and_then(|id| spec.meshes[id].material.as_ref());
+    let material = match geom.material.as_ref().or(of_mesh) {
         None => -1,
         Some(name) => {
             let found = spec.materials.iter().position(|of| of.name == *name);
@@ -68,6 +88,16 @@ pub(super) fn add_geom(
     m.geom_priority.push(geom.priority);
     m.geom_size.push(size);
     m.geom_rbound.push(bounding_radius(*shape, size));
+    m.geom_aabb.push(match surface {
+        Some(Mesh { lower, upper, .. }) => {
+            let half = |sign: f64| [0, 1, 2].map(|k| (upper[k] + sign * lower[k]) / 2.0);
+            flat([half(1.0), half(-1.0)])
+        }
+        None => flat(shape_box(*shape, size)),
+    });
+    let kept = surface.is_some() || !spec.revision.forgets_fitted_meshes();
+    m.geom_dataid
+        .push(mesh.filter(|_| kept).map_or(-1, |id| id as i32));
     m.geom_fluid.push(if geom.fluid_ellipsoid {
         Fluid(fluid::coefficients(*shape, size, geom.fluid))
     } else {
@@ -83,51 +113,74 @@ pub(super) fn add_geom(
     m.geom_gap.push(geom.gap);
     m.geom_rgba.push(single(geom.rgba));
     m.geom_matid.push(material);
+    let moments = match surface {
+        Some(mesh) => mesh.moments(mass),
+        None => inertia::moments(*shape, mass, size, geom.shell),
+    };
     Ok(Inertia {
         mass,
         pos,
         quat,
-        moments: inertia::moments(*shape, mass, size, geom.shell),
+        moments,
     })
 }
 
-/// Returns an error for a mesh that affects more than rendering, because the engine does not read
-/// its surface. `weighs`: whether the mass of the geom counts.
-pub(super) fn check_mesh(geom: &Geom, spec: &Spec, weighs: bool) -> Result<()> {
+/// The mesh of a geom.
+fn mesh_of(geom: &Geom, spec: &Spec) -> Result<Option<usize>> {
     let error = |name, reason: &str| Err(geom.place.attribute(name, reason));
-    let Some(mesh) = &geom.mesh else {
+    let Some(name) = &geom.mesh else {
         return match geom.shape {
             GeomType::Mesh => error("mesh", "missing: it must be given for type=\"mesh\""),
-            _ => Ok(()),
+            _ => Ok(None),
         };
     };
-    if !spec.meshes.contains(mesh) {
-        return error("mesh", &format!("there is no mesh {mesh:?}"));
+    let Some(id) = spec.meshes.iter().position(|mesh| mesh.name == *name) else {
+        return error("mesh", &format!("there is no mesh {name:?}"));
+    };
+    if geom.shape == GeomType::Mesh && geom.shell {
+        let reason = "is an attribute of the mesh here: give it inertia=\"shell\"";
+        return error("shellinertia", reason);
     }
-    if geom.shape != GeomType::Mesh {
-        return error(
-            "mesh",
-            "a shape fitted to a mesh is not supported: give the shape's size",
-        );
+    Ok(Some(id))
+}
+
+/// The frame of a geom with a mesh, moved to the mesh's, or to the centre of a shape that is fitted
+/// to the mesh. Sets the size.
+fn own_frame(
+    geom: &Geom,
+    spec: &Spec,
+    mesh: &Mesh,
+    size: &mut [f64; 3],
+    own: Frame,
+) -> Result<Frame> {
+    let mut center = [0.0; 3];
+    if geom.shape == GeomType::Mesh {
+        *size = [0, 1, 2].map(|k| mesh.lower[k].abs().max(mesh.upper[k].abs()));
+    } else {
+        let fitted = mesh.fit(geom.shape, spec.compiler.fit_bounds, geom.fit_scale);
+        let Some((fitted, at)) = fitted else {
+            let reason = "only spheres, capsules, cylinders, ellipsoids and boxes fit to a mesh";
+            return Err(geom.place.attribute("mesh", reason));
+        };
+        let numbers = match geom.shape {
+            GeomType::Sphere => 1,
+            GeomType::Capsule | GeomType::Cylinder => 2,
+            _ => 3,
+        };
+        *size = size.map(|x| x * geom.fit_scale);
+        size[..numbers].copy_from_slice(&fitted[..numbers]);
+        center = at;
     }
-    if geom.contype != 0 || geom.conaffinity != 0 {
-        return error(
-            "type",
-            "a mesh that collides is not supported: set contype and conaffinity to 0 to only show \
-             it, and give other geoms for contacts",
-        );
-    }
-    if weighs && geom.mass != Some(0.0) && geom.density != 0.0 {
-        return error(
-            "type",
-            "the mass of a mesh is not supported: give its body an element inertial, or the geom \
-             mass=\"0\"",
-        );
-    }
-    if geom.fluid_ellipsoid {
-        return error("fluidshape", "the fluid forces on a mesh are not supported");
-    }
-    Ok(())
+    let at = add(
+        turned(Some(([0.0; 3], mesh.orientation)), center),
+        mesh.position,
+    );
+    Ok(within(Some(own), (at, mesh.orientation)))
+}
+
+/// The six numbers of a box.
+fn flat([[a, b, c], [i, j, k]]: Bounds) -> [f64; 6] {
+    [a, b, c, i, j, k]
 }
 
 fn check_size(geom: &Geom, size: [f64; 3]) -> Result<()> {

@@ -81,8 +81,7 @@ fn geoms(m: &CompiledModel) -> Result<()> {
     same_length!(m, if m.has_meshes() { m.ngeom() } else { 0 }, geom_aabb);
     for (g, &id) in m.geom_dataid.iter().enumerate() {
         let exists = usize::try_from(id).is_ok_and(|id| id < m.nmesh());
-        let collides = m.geom_contype[g] != 0 || m.geom_conaffinity[g] != 0;
-        let needed = m.geom_type[g] == GeomType::Mesh && collides;
+        let needed = m.geom_type[g] == GeomType::Mesh;
         ensure!(
             exists || id == -1 && !needed,
             "geom_dataid[{g}] is {id}, and there are {} meshes",

@@ -5,12 +5,13 @@
 //! | `source` | models from texts and files |
 //! | `body`, `joint`, `geom`, ... | a section of MJCF each: ids, frames |
 //! | `inertia`, `fluid` | masses, principal axes, coefficients of shapes |
-//! | `mesh`, `hull` | meshes of files; their convex hulls |
+//! | `mesh`, `hull`, `assets` | meshes of files; their convex hulls; the meshes of a model |
 //! | `constants` | fields that follow from others, by stages of the engine |
 //! | `complete`, `check`, `features`, `meshes`, `values` | fields left out; refusal of models that the engine cannot run |
 //! | `figures` | the model as a table |
 
 mod actuator;
+mod assets;
 mod body;
 mod check;
 mod complete;
@@ -50,8 +51,9 @@ pub(super) fn compile(spec: &Spec) -> Result<Box<CompiledModel>> {
         opt: spec.option.clone(),
         ..CompiledModel::default()
     });
+    let meshes = assets::add_meshes(&mut m, spec)?;
     for (id, body) in spec.bodies.iter().enumerate() {
-        body::add_body(&mut m, spec, id, body)?;
+        body::add_body(&mut m, spec, &meshes, id, body)?;
     }
     scale_mass(&mut m, spec.compiler.total_mass);
     check_mass(&m, spec)?;

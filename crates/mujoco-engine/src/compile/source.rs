@@ -6,15 +6,16 @@ use crate::mjcf::{files, reader};
 use crate::{Error, Model, Result, Revision};
 
 impl Model {
-    /// Compiles a model from a text in MJCF, which includes no files.
+    /// Compiles a model from a text in MJCF, which names no files.
     ///
     /// | section | supported |
     /// |---|---|
     /// | all | `include`; `default` classes and `childclass`; orientations by quat, axisangle, xyaxes, zaxis and euler |
-    /// | `compiler` | angle, eulerseq, autolimits, inertiafromgeom, inertiagrouprange, balanceinertia, boundmass, boundinertia, settotalmass, strippath, coordinate="local" |
+    /// | `compiler` | angle, eulerseq, autolimits, inertiafromgeom, inertiagrouprange, balanceinertia, boundmass, boundinertia, settotalmass, meshdir, assetdir, strippath, fitaabb, coordinate="local" |
     /// | `option` | timestep, gravity, wind, magnetic, density, viscosity, cone, impratio, solver, iterations, ls_iterations, tolerance, noslip_iterations, noslip_tolerance, integrator, `flag` |
     /// | bodies | `body` (mocap, gravcomp), `frame`, `replicate`, `inertial`; all joints with springs, dampers, dry friction, limits; sites, cameras, lights |
-    /// | `geom` | plane, sphere, capsule, ellipsoid, cylinder, box; fluidshape; all contact parameters; meshes without mass and contacts |
+    /// | `geom` | plane, sphere, capsule, ellipsoid, cylinder, box; fluidshape; all contact parameters; meshes, and shapes fitted to them |
+    /// | `asset` | mesh, of a file (STL, OBJ, MSH) or of vertices in the text: scale, refpos, refquat, inertia, smoothnormal, maxhullvert |
     /// | `contact` | pair, exclude |
     /// | `equality` | connect, weld, joint, tendon |
     /// | `tendon` | fixed, spatial (sites, pulleys, spheres and cylinders with side sites) |
@@ -23,12 +24,11 @@ impl Model {
     /// | `keyframe` | key |
     ///
     /// `asset` gives the colours of materials; `statistic` and `size` are read as in MuJoCo; `visual`,
-    /// `custom`, `user`, `group`, textures and skins are ignored. A mesh without mass and contacts is a
-    /// geom without size, and its file is not read. The position of such a geom is its frame, not the
-    /// centre of the mesh as in MuJoCo. Meshes with mass or contacts, height fields as geoms,
+    /// `custom`, `user`, `group`, textures and skins are ignored. Rangefinders
+    /// in a model with meshes, height fields as geoms,
     /// composites, flexes and plugins are errors, and so are more than 1000 objects of a kind (sites:
     /// 200,000 elements together) and more than 8 MiB of names, both with the copies that `replicate`
-    /// makes.
+    /// makes, and files of meshes with more than 256 MiB together.
     ///
     /// # Errors
     /// [`Error::Mjcf`] for text that is not XML, for anything outside the supported part of MJCF,
@@ -45,8 +45,8 @@ impl Model {
         Self::from_texts(&files::Texts::of(text)?, revision)
     }
 
-    /// Compiles a model from a file in MJCF and the files that it includes. Their names are
-    /// relative to the folder of this file, or else to that of the including file.
+    /// Compiles a model from a file in MJCF and the files that it names. These are in the folder of
+    /// this file (meshes: in its folder `meshdir`), or else in that of the file that names them.
     ///
     /// # Errors
     /// [`Error::File`] if a file cannot be read, is missing or is included twice, or with the error

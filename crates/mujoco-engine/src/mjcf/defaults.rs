@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use super::MOST;
 use super::spec::{
-    ACTUATORS, Actuator, Camera, Equality, Geom, Joint, Light, Material, Pair, Site, Tendon,
+    ACTUATORS, Actuator, Camera, Equality, Geom, Joint, Light, Material, Mesh, Pair, Site, Tendon,
 };
 use super::xml::Element;
 use crate::{Result, Revision};
@@ -20,6 +20,7 @@ pub(crate) struct Class {
     pub(crate) camera: Camera,
     pub(crate) light: Light,
     pub(crate) material: Material,
+    pub(crate) mesh: Mesh,
     pub(crate) pair: Pair,
     pub(crate) equality: Equality,
     pub(crate) tendon: Tendon,
@@ -115,8 +116,7 @@ impl Classes {
                 "pair" => values.pair.read(&mut child)?,
                 "equality" => values.equality.read_common(&mut child)?,
                 "tendon" => values.tendon.read(&mut child)?,
-                // only pictures show a mesh
-                "mesh" => child.ignore("scale maxhullvert inertia"),
+                "mesh" => values.mesh.read_class(&mut child)?,
                 name if ACTUATORS.contains(&name) => {
                     let mut actuator = self.actuator(class, name, revision);
                     actuator.read(&mut child)?;

@@ -14,6 +14,8 @@ use crate::{Error, Result};
 
 /// The largest size in bytes of a file, and of all files of a model together.
 const MAX_LEN: usize = 8 << 20;
+/// The largest size in bytes of all files of a model that are no texts, each as often as it is named.
+pub(crate) const MAX_ASSETS: u64 = 256 << 20;
 /// The largest number of nodes (elements, texts and comments).
 const MAX_NODES: u32 = 200_000;
 /// The largest number of attributes of an element, and of namespaces: the parser compares each with
@@ -22,6 +24,8 @@ const MAX_ATTRIBUTES: usize = 1000;
 const MAX_NAMESPACES: usize = 10;
 /// The largest number of files of a model.
 const MAX_FILES: usize = 100;
+/// Why a model in a text names no files.
+const NO_FOLDER: &str = "a text has no folder: read the model from its file, with from_path";
 
 /// The texts of a model and its included files, before they are parsed.
 #[derive(Debug, Default)]
@@ -31,6 +35,8 @@ pub(crate) struct Texts {
     /// The text that each element `include` names, by the number of its own text and its position
     /// there.
     included: BTreeMap<(usize, usize), usize>,
+    /// The folder of the model; none if it is a text.
+    folder: Option<PathBuf>,
 }
 
 impl Texts {
@@ -47,20 +53,17 @@ impl Texts {
     /// Reads the included files, each once: files that include each other are an error.
     fn load(text: String, path: Option<&Path>) -> Result<Self> {
         let folder_of = |path: &Path| path.parent().unwrap_or(Path::new("")).to_owned();
-        let folder = path.map(folder_of);
         let mut all = Self {
             texts: vec![(Rc::default(), text)],
+            folder: path.map(folder_of),
             ..Self::default()
         };
         let mut paths: Vec<PathBuf> = path.map(Path::to_owned).into_iter().collect();
         let mut next = 0;
         while next < all.texts.len() {
             for (position, file, place) in all.includes(next)? {
-                let Some(folder) = &folder else {
-                    return Err(place.attribute(
-                        "file",
-                        "a text has no folder: read the model from its file, with from_path",
-                    ));
+                let Some(folder) = &all.folder else {
+                    return Err(place.attribute("file", NO_FOLDER));
                 };
                 let own = folder_of(&paths[next]);
                 let candidates = [folder.join(&file), own.join(&file)];
@@ -123,6 +126,7 @@ impl Texts {
         let mut files = Files {
             files: Vec::new(),
             included: &self.included,
+            folder: self.folder.as_deref(),
             visits: Cell::new(0),
         };
         for (name, text) in &self.texts {
@@ -144,6 +148,29 @@ fn read(path: &Path) -> Result<String> {
     let read = file.take(MAX_LEN as u64 + 1).read_to_string(&mut text);
     read.map_err(in_file)?;
     Ok(text)
+}
+
+/// The bytes of a regular file. `left`, how many more may be read, becomes smaller.
+pub(crate) fn bytes(path: &Path, left: &mut u64) -> Result<Vec<u8>, String> {
+    let about = path.metadata().map_err(|error| error.to_string())?;
+    if !about.is_file() {
+        return Err("this is no regular file".to_owned());
+    }
+    let mut bytes = Vec::new();
+    let file = File::open(path).map_err(|error| error.to_string())?;
+    if about.len() <= *left {
+        // the file may have grown
+        let read = file.take(*left + 1).read_to_end(&mut bytes);
+        read.map_err(|error| error.to_string())?;
+    }
+    *left = left
+        .checked_sub(about.len().max(bytes.len() as u64))
+        .ok_or_else(|| {
+            format!(
+                "the files of all meshes together have more than {MAX_ASSETS} bytes: simplify them"
+            )
+        })?;
+    Ok(bytes)
 }
 
 /// The elements of a text.
@@ -192,6 +219,7 @@ fn check_tags(text: &str) -> std::result::Result<(), (u32, String)> {
 pub(crate) struct Files<'input> {
     files: Vec<(&'input Rc<str>, Document<'input>, Lines)>,
     included: &'input BTreeMap<(usize, usize), usize>,
+    folder: Option<&'input Path>,
     /// The number of visits of nodes.
     visits: Cell<usize>,
 }
@@ -211,6 +239,20 @@ impl<'input> Files<'input> {
     pub(crate) fn visit(&self) -> bool {
         self.visits.set(self.visits.get() + 1);
         self.visits.get() <= MAX_VISITS
+    }
+
+    /// The path of a file that is no text: in `folder` beside the model, or else beside a text.
+    pub(crate) fn find(&self, text: usize, folder: &str, file: &str) -> Result<PathBuf, String> {
+        let beside = self.folder.ok_or_else(|| NO_FOLDER.to_owned())?;
+        let own = match Path::new(&**self.name(text)).parent() {
+            Some(own) if text > 0 => own,
+            _ => beside,
+        };
+        let candidates = [beside.join(folder).join(file), own.join(file)];
+        let exists = candidates.iter().find(|path| path.exists());
+        exists
+            .cloned()
+            .ok_or_else(|| format!("there is no file {}", candidates[0].display()))
     }
 
     /// The line of a position in a file.

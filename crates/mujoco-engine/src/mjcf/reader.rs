@@ -227,8 +227,7 @@ impl Reader<'_> {
         Ok(())
     }
 
-    /// Stores the colours of materials and the names of meshes, and ignores assets that only affect
-    /// pictures.
+    /// Stores the colours of materials and the meshes, and ignores assets that only affect pictures.
     fn read_asset(&mut self, section: Element<'_, '_>) -> Result<()> {
         for mut child in section.children()? {
             match child.name() {
@@ -239,7 +238,14 @@ impl Reader<'_> {
                     fits(&self.spec.materials, "materials", &child)?;
                     self.spec.materials.push(material);
                 }
-                "mesh" => self.spec.meshes.push(mesh_name(&mut child)?),
+                "mesh" => {
+                    let mut mesh = self.classes.of(&mut child)?.mesh.clone();
+                    let compiler = &self.spec.compiler;
+                    mesh.read(&mut child, &compiler.mesh_folder, compiler.strip_path)?;
+                    child.finish_without_children()?;
+                    fits(&self.spec.meshes, "meshes", &section)?;
+                    self.spec.meshes.push(mesh);
+                }
                 "texture" | "skin" | "hfield" => {}
                 _ => {
                     let known = ["material", "mesh", "texture", "skin", "hfield"];
@@ -361,18 +367,4 @@ fn fits<T>(objects: &[T], kind: &str, element: &Element<'_, '_>) -> Result<()> {
         return Ok(());
     }
     Err(element.error(format!("more than {MOST} {kind} are not supported")))
-}
-
-/// The name of a mesh: its attribute `name`, or that of its file without folder and extension.
-fn mesh_name(mesh: &mut Element<'_, '_>) -> Result<String> {
-    let file = mesh.text("file")?;
-    let of_file = file.as_deref().and_then(|file| {
-        let (_, name) = file.rsplit_once(['/', '\\']).unwrap_or(("", file));
-        name.split('.').next()
-    });
-    match (mesh.text("name")?, of_file) {
-        (Some(name), _) => Ok(name),
-        (None, Some(name)) => Ok(name.to_owned()),
-        (None, None) => Err(mesh.missing("name")),
-    }
 }

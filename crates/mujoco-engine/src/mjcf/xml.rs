@@ -1,7 +1,9 @@
 //! XML elements. Reading an attribute takes it out of its element, so that unread attributes can be
 //! reported.
 
+use std::path::PathBuf;
 use std::rc::Rc;
+use std::str::FromStr;
 
 use roxmltree::{Attribute, Node};
 
@@ -328,6 +330,26 @@ impl<'a, 'input> Element<'a, 'input> {
         let words = attribute.value().split_ascii_whitespace();
         let numbers = words.map(|word| self.parse(&attribute, word));
         numbers.collect::<Result<_>>().map(Some)
+    }
+
+    /// Reads any number of numbers of a kind.
+    pub(crate) fn list_of<T: FromStr>(&mut self, name: &'static str) -> Result<Option<Vec<T>>> {
+        let Some(attribute) = self.take(name) else {
+            return Ok(None);
+        };
+        let words = attribute.value().split_ascii_whitespace();
+        let numbers = words.map(|word| {
+            let wrong = |_| self.at(&attribute, format!("{word:?} is not such a number"));
+            word.parse().map_err(wrong)
+        });
+        numbers.collect::<Result<_>>().map(Some)
+    }
+
+    /// The path of a file that an attribute names: in `folder` beside the model, or else beside the
+    /// text of this element.
+    pub(crate) fn find(&self, name: &str, folder: &str, file: &str) -> Result<PathBuf> {
+        let found = self.files.find(self.file, folder, file);
+        found.map_err(|reason| self.place().attribute(name, reason))
     }
 
     /// Reads a number.

@@ -47,6 +47,8 @@ changes! {
     mixes_hashes since V4_0;
     /// A polygon of one triangle passes through the same steps as others.
     joins_single_faces since V4_0;
+    /// A shape that was fitted to a mesh does not keep it as `geom_dataid`.
+    forgets_fitted_meshes since V3_17;
     /// The normal of a polygon takes all corners into account, by Newell's method.
     newell_normals since V4_0;
 }

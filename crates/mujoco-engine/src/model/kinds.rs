@@ -68,7 +68,7 @@ numbered! {
         Cylinder = 5,
         /// A box.
         Box = 6,
-        /// A mesh. Meshes have no size and no contacts here.
+        /// A mesh of the model, in its principal frame.
         Mesh = 7,
     }
 }

@@ -16,8 +16,6 @@ fn tetrahedron() -> CompiledModel {
     let faces = [[1, 0, 2], [0, 1, 3], [0, 3, 2], [1, 2, 3]];
     let neighbors = [[1, 2, 3, -1], [0, 2, 3, -1], [0, 1, 3, -1], [0, 1, 2, -1]];
     m.geom_type[0] = GeomType::Mesh;
-    m.geom_contype[0] = 0;
-    m.geom_conaffinity[0] = 0;
     m.geom_dataid = vec![0, -1];
     m.geom_aabb = vec![[0.25, 0.25, 0.25, 0.25, 0.25, 0.25], [0.0; 6]];
     let mesh = meshes(&mut m);
@@ -92,10 +90,7 @@ fn wrong_meshes_are_refused() {
     let wrong: [(&str, Change); 37] = [
         ("geom_dataid[0] is 1", |m| m.geom_dataid[0] = 1),
         ("geom_dataid[1] is -2", |m| m.geom_dataid[1] = -2),
-        ("geom_dataid[0] is -1", |m| {
-            m.geom_dataid[0] = -1;
-            m.geom_contype[0] = 1;
-        }),
+        ("geom_dataid[0] is -1", |m| m.geom_dataid[0] = -1),
         ("geom_aabb has 1", |m| m.geom_aabb.truncate(1)),
         ("geom_aabb[0]", |m| m.geom_aabb[0][4] = -1.0),
         ("geom_aabb", |m| m.geom_aabb[0][1] = f64::NAN),

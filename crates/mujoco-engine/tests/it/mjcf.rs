@@ -17,14 +17,6 @@ fn section(line: &str) -> String {
     )
 }
 
-/// Returns a model whose line 4 has a geom with a mesh and `attributes`.
-fn with_mesh(attributes: &str) -> String {
-    in_the_world(&format!(
-        "<body><geom mesh=\"m\" {attributes}/></body></worldbody>\
-         <asset><mesh file=\"parts/m.stl\"/></asset><worldbody>"
-    ))
-}
-
 /// The text of a model, and the line, element and attribute that its error must name.
 type Refused = (String, u32, &'static str, Option<&'static str>);
 
@@ -43,14 +35,6 @@ fn refused() -> Vec<Refused> {
         // features that are not supported
         world("<geom type=\"mesh\" mesh=\"m\"/>", "geom", Some("mesh")),
         world("<geom type=\"mesh\"/>", "geom", Some("mesh")),
-        (with_mesh("type=\"mesh\""), 4, "geom", Some("type")),
-        (
-            with_mesh("type=\"mesh\" contype=\"0\" conaffinity=\"0\""),
-            4,
-            "geom",
-            Some("type"),
-        ),
-        (with_mesh(""), 4, "geom", Some("mesh")),
         world("<geom size=\"1\" typo=\"3\"/>", "geom", Some("typo")),
         world("<nonsense/>", "nonsense", None),
         world("<joint/>", "joint", None),

@@ -66,9 +66,9 @@ pub enum MeshError {
     /// A list that both the file and the attributes give.
     #[error("both the file and the attribute `{0}` give it: remove one")]
     Repeated(&'static str),
-    /// A coordinate that is NaN, infinite or too large.
-    #[error("vertex {0} has a coordinate that is not finite, or too large")]
-    NotFinite(usize),
+    /// A number that is NaN, infinite or too large.
+    #[error("{0} {1} has a number that is not finite, or too large")]
+    NotFinite(&'static str, usize),
     /// Fewer than four vertices.
     #[error("a mesh needs at least 4 vertices, found {0}")]
     TooFewVertices(usize),
@@ -91,6 +91,26 @@ pub enum MeshError {
         vertex: i32,
         /// The number of vertices.
         vertices: usize,
+    },
+    /// A corner of a face names a normal or texture coordinate that does not exist.
+    #[error("face {face} names {number} of the {what}, but the mesh has {count}")]
+    NoCorner {
+        /// What there is too little of.
+        what: &'static str,
+        /// The face, from 0.
+        face: usize,
+        /// The number, from 0.
+        number: i32,
+        /// How many there are.
+        count: usize,
+    },
+    /// Faces whose texture coordinates are counted otherwise.
+    #[error("{found} indices of texture coordinates for {faces} of vertices")]
+    FaceTexture {
+        /// The number of indices of texture coordinates.
+        found: usize,
+        /// The number of indices of vertices.
+        faces: usize,
     },
     /// Texture coordinates that faces cannot name.
     #[error(

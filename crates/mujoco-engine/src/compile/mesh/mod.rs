@@ -27,6 +27,8 @@ mod tests;
 pub use error::MeshError;
 pub use source::{Format, Source};
 
+pub use crate::mjcf::spec::{Inertia, MeshOptions as Options};
+
 use polygons::Polygons;
 
 use crate::Revision;
@@ -41,53 +43,6 @@ use crate::mjcf::orientation::unit;
 /// moment, count as zero. Found by experiment with 4.0.0: of 77 meshes, the largest that was left
 /// was 9.4e-8.
 const AXES_REST: f64 = 1e-7;
-
-/// How a mesh's mass is spread.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Inertia {
-    /// Through the convex hull.
-    Convex,
-    /// Through the volume of all triangles' pyramids from the centroid, each counted as positive.
-    #[default]
-    Legacy,
-    /// Through the volume that the faces enclose; these must be oriented alike.
-    Exact,
-    /// On the surface.
-    Shell,
-}
-
-/// What the element `mesh` says besides its data.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Options {
-    /// Multiplies the vertices' coordinates; an odd number of negative factors turns the faces.
-    pub scale: Vec3,
-    /// The origin, in the file's coordinates.
-    pub position: Vec3,
-    /// The orientation of the axes, in the file's coordinates; need not be of length 1.
-    pub orientation: Quat,
-    /// How the mass is spread.
-    pub inertia: Inertia,
-    /// Whether normals are means over edges of any angle.
-    pub smooth: bool,
-    /// `maxhullvert`: the most vertices of the hull, at least 4.
-    pub max_hull_vertices: Option<u32>,
-    /// Whether a geom that collides has the mesh.
-    pub collides: bool,
-}
-
-impl Default for Options {
-    fn default() -> Self {
-        Self {
-            scale: [1.0; 3],
-            position: [0.0; 3],
-            orientation: [1.0, 0.0, 0.0, 0.0],
-            inertia: Inertia::default(),
-            smooth: false,
-            max_hull_vertices: None,
-            collides: true,
-        }
-    }
-}
 
 /// A compiled mesh, in its principal frame: the origin is the centre of mass, and the axes are the
 /// principal axes of inertia.
@@ -196,6 +151,20 @@ impl Mesh {
                 .map(|&v| per_vertex.wrapping_mul(v))
                 .collect();
         }
+        check_corners("normals", &face_normals, normals.len() / 3)?;
+        if !source.texture.is_empty() {
+            if face_texture.len() != 3 * faces.len() {
+                return Err(MeshError::FaceTexture {
+                    found: face_texture.len(),
+                    faces: 3 * faces.len(),
+                });
+            }
+            check_corners(
+                "texture coordinates",
+                &face_texture,
+                source.texture.len() / 2,
+            )?;
+        }
         let mut polygons = Polygons::new(&points, &hull_faces, revision);
         if !right_handed {
             turn(&mut faces);
@@ -258,6 +227,15 @@ impl Mesh {
             .map(|corners| polygon_normal(&points, corners, revision))
             .collect();
         let vertices: Vec<f32> = points.iter().flatten().map(|&x| x as f32).collect();
+        for (what, numbers, width) in [
+            ("vertex", &vertices, 3),
+            ("normal", &normals, 3),
+            ("texture coordinate", &source.texture, 2),
+        ] {
+            if let Some(i) = numbers.iter().position(|x| !x.is_finite()) {
+                return Err(MeshError::NotFinite(what, i / width));
+            }
+        }
         Ok(Self {
             extrema: graph
                 .as_ref()
@@ -286,6 +264,20 @@ impl Mesh {
     pub fn moments(&self, mass: f64) -> Vec3 {
         let [x, y, z] = self.half_sizes.map(|x| x * x);
         [y + z, x + z, x + y].map(|square| mass * square / 3.0)
+    }
+}
+
+/// Requires the numbers of faces' corners to be less than a count.
+fn check_corners(what: &'static str, corners: &[i32], count: usize) -> Result<(), MeshError> {
+    let wrong = |number: &i32| !usize::try_from(*number).is_ok_and(|number| number < count);
+    match corners.iter().position(wrong) {
+        None => Ok(()),
+        Some(i) => Err(MeshError::NoCorner {
+            what,
+            face: i / 3,
+            number: corners[i],
+            count,
+        }),
     }
 }
 

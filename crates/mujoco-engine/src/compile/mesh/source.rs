@@ -129,7 +129,7 @@ impl Source {
             }
         }
         if let Some(i) = self.vertices.iter().position(|x| !x.is_finite()) {
-            return Err(MeshError::NotFinite(i / 3));
+            return Err(MeshError::NotFinite("vertex", i / 3));
         }
         if !self.texture.is_empty()
             && self.texture.len() != 2 * vertices

@@ -60,7 +60,7 @@ pub(super) fn read(bytes: &[u8]) -> Result<Source, MeshError> {
                     for bytes in key.chunks_exact(4) {
                         let x = f32::from_le_bytes([bytes[0], bytes[1], bytes[2], bytes[3]]);
                         if x.abs() > LARGEST {
-                            return Err(MeshError::NotFinite(vertices));
+                            return Err(MeshError::NotFinite("vertex", vertices));
                         }
                         source.vertices.push(x);
                     }

@@ -270,7 +270,10 @@ fn an_stl_file_must_have_the_triangles_that_it_declares() {
     }
     let mut far = triangle;
     far[1][2] = 1.1e9;
-    assert!(matches!(read(&stl(&[far])), Err(MeshError::NotFinite(1))));
+    assert!(matches!(
+        read(&stl(&[far])),
+        Err(MeshError::NotFinite("vertex", 1))
+    ));
 }
 
 #[test]
@@ -394,7 +397,7 @@ fn bad_meshes_are_refused() {
     );
     assert_eq!(
         bad(&WEDGE.replace("v 2 1 0", "v 1e39 1 0"), default),
-        MeshError::NotFinite(2)
+        MeshError::NotFinite("vertex", 2)
     );
     for (points, fault) in [
         ("v 1 1 1\nv 1 1 1\nv 1 1 1\nv 1 1 1\n", "at one place"),

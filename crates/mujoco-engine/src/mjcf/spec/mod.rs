@@ -24,6 +24,7 @@ mod body;
 mod contact;
 mod equality;
 mod keyframe;
+mod mesh;
 mod parts;
 mod sensor;
 mod tendon;
@@ -33,6 +34,8 @@ pub(crate) use body::{Body, Camera, Inertial, Light, Moments};
 pub(crate) use contact::{Exclude, Pair};
 pub(crate) use equality::{EQUALITIES, Equality};
 pub(crate) use keyframe::Key;
+pub(crate) use mesh::Mesh;
+pub use mesh::{Inertia, Options as MeshOptions};
 pub(crate) use parts::{Frame, Geom, Joint, Site};
 pub(crate) use sensor::{Sensor, Target};
 pub(crate) use tendon::{Tendon, Wrap};
@@ -51,8 +54,7 @@ pub(crate) struct Spec {
     pub(crate) statistic: Statistic,
     pub(crate) nkey: usize,
     pub(crate) materials: Vec<Material>,
-    /// The names of the meshes.
-    pub(crate) meshes: Vec<String>,
+    pub(crate) meshes: Vec<Mesh>,
     /// The world, then the others, each after its parent.
     pub(crate) bodies: Vec<Body>,
     pub(crate) excludes: Vec<Exclude>,
@@ -87,6 +89,12 @@ with_defaults! {
         bound_mass: f64 = 0.0,
         bound_inertia: f64 = 0.0,
         balance_inertia: bool = false,
+        /// The folder of mesh files, beside the model.
+        mesh_folder: String = String::new(),
+        /// Whether names of files lose their folders.
+        strip_path: bool = false,
+        /// Whether shapes are fitted to the bounds of a mesh, not to its inertia.
+        fit_bounds: bool = false,
         euler: Sequence = [(0, false), (1, false), (2, false)],
     }
 }
@@ -118,10 +126,15 @@ impl Compiler {
                     .attribute("eulerseq", "needs three of xyzXYZ")
             })?;
         }
+        for name in ["assetdir", "meshdir"] {
+            replace(&mut self.mesh_folder, element.text(name)?);
+        }
+        replace(&mut self.strip_path, element.flag("strippath")?);
+        replace(&mut self.fit_bounds, element.flag("fitaabb")?);
         // attributes of files that are not read, and attributes without effect on the compiled
         // model
-        element.ignore("assetdir meshdir texturedir strippath usethread saveinertial");
-        for name in ["fusestatic", "discardvisual", "alignfree", "fitaabb"] {
+        element.ignore("texturedir usethread saveinertial");
+        for name in ["fusestatic", "discardvisual", "alignfree"] {
             element.keyword(name, &[("false", ())])?;
         }
         for child in element.children()? {

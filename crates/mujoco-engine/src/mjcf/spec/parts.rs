@@ -129,6 +129,8 @@ with_defaults! {
         rgba: [f64; 4] = GREY,
         material: Option<String> = None,
         mesh: Option<String> = None,
+        /// The factor of a size that is fitted to a mesh.
+        fit_scale: f64 = 1.0,
         group: i32 = 0,
         /// Whether the mass lies on the surface.
         shell: bool = false,
@@ -180,6 +182,7 @@ impl Geom {
         replace(&mut self.rgba, element.numbers("rgba")?);
         replace_some(&mut self.material, element.text("material")?);
         replace_some(&mut self.mesh, element.text("mesh")?);
+        replace(&mut self.fit_scale, element.number("fitscale")?);
         replace(&mut self.group, element.integer("group")?);
         replace(&mut self.shell, element.flag("shellinertia")?);
         let shapes = [("none", false), ("ellipsoid", true)];

@@ -1,0 +1,134 @@
+//! The meshes of a model: read, compiled, and added to its arrays.
+
+use std::collections::HashSet;
+use std::mem::take;
+use std::sync::Arc;
+
+use super::body::address;
+use super::mesh::{Format, Mesh, Source};
+use crate::Result;
+use crate::mjcf::files::{self, MAX_ASSETS};
+use crate::mjcf::spec::{self, Spec};
+use crate::model::{CompiledModel, GeomType, Meshes};
+
+/// Adds the meshes, and returns what is left of them: without their lists.
+pub(super) fn add_meshes(m: &mut CompiledModel, spec: &Spec) -> Result<Vec<Mesh>> {
+    let colliding = colliding(spec);
+    let (mut left, mut names) = (MAX_ASSETS, HashSet::new());
+    let mut meshes = Vec::with_capacity(spec.meshes.len());
+    let all = Arc::make_mut(&mut m.meshes);
+    for mesh in &spec.meshes {
+        let (place, name) = (&mesh.place, &*mesh.name);
+        if !names.insert(name) {
+            return Err(place.attribute("name", format!("there is a mesh {name:?} already")));
+        }
+        let file = mesh.path.as_deref();
+        let fault = |reason: String| match file {
+            Some(path) => place.attribute("file", format!("{}: {reason}", path.display())),
+            None => place.error(reason),
+        };
+        let source = source(mesh, spec, &mut left).map_err(&fault)?;
+        let mut options = mesh.options;
+        options.collides = colliding.contains(name);
+        let compiled = Mesh::compile(source, &options, spec.revision);
+        let mut compiled = compiled.map_err(|error| fault(error.to_string()))?;
+        add(all, &mut compiled);
+        meshes.push(compiled);
+    }
+    Ok(meshes)
+}
+
+/// The names of meshes that geoms collide with.
+fn colliding(spec: &Spec) -> HashSet<&str> {
+    let pairs = spec.pairs.iter().flat_map(|pair| &pair.geoms).flatten();
+    let paired: HashSet<&str> = pairs.map(String::as_str).collect();
+    let geoms = spec.bodies.iter().flat_map(|body| &body.geoms);
+    let geoms = geoms.filter(|geom| {
+        let named = geom
+            .name
+            .as_deref()
+            .is_some_and(|name| paired.contains(name));
+        geom.shape == GeomType::Mesh && (geom.contype != 0 || geom.conaffinity != 0 || named)
+    });
+    geoms.filter_map(|geom| geom.mesh.as_deref()).collect()
+}
+
+/// What the file and the attributes of a mesh give.
+fn source(mesh: &spec::Mesh, spec: &Spec, left: &mut u64) -> Result<Source, String> {
+    let attributes = Source {
+        vertices: mesh.vertices.clone(),
+        normals: mesh.normals.clone(),
+        texture: mesh.texture.clone(),
+        faces: mesh.faces.clone(),
+        ..Source::default()
+    };
+    let Some(path) = &mesh.path else {
+        return Ok(attributes);
+    };
+    let extension = path.extension().unwrap_or_default().to_string_lossy();
+    let kind = mesh.content_type.as_deref().unwrap_or(&extension);
+    let format = Format::named(kind)
+        .ok_or_else(|| format!("{kind:?} is no format of meshes: use stl, obj or msh"))?;
+    let bytes = files::bytes(path, left)?;
+    let mut source =
+        Source::read(format, &bytes, spec.revision).map_err(|error| error.to_string())?;
+    source
+        .complete(attributes)
+        .map_err(|error| error.to_string())?;
+    Ok(source)
+}
+
+/// Moves the lists of a mesh to those of all.
+fn add(all: &mut Meshes, mesh: &mut Mesh) {
+    all.mesh_vertadr.push(all.mesh_vert.len());
+    all.mesh_vertnum.push(mesh.vertices.len() / 3);
+    all.mesh_vert.extend(take(&mut mesh.vertices).as_chunks().0);
+    all.mesh_normaladr.push(all.mesh_normal.len());
+    all.mesh_normalnum.push(mesh.normals.len() / 3);
+    all.mesh_normal
+        .extend(take(&mut mesh.normals).as_chunks().0);
+    all.mesh_texcoordadr
+        .push(address(all.mesh_texcoord.len(), mesh.texture.len() / 2));
+    all.mesh_texcoordnum.push(mesh.texture.len() / 2);
+    all.mesh_texcoord
+        .extend(take(&mut mesh.texture).as_chunks().0);
+    all.mesh_faceadr.push(all.mesh_face.len());
+    all.mesh_facenum.push(mesh.faces.len());
+    let numbers = |corners: &[i32; 3]| corners.map(|number| number as u32);
+    all.mesh_face
+        .extend(take(&mut mesh.faces).iter().map(numbers));
+    let corners = take(&mut mesh.face_normals);
+    all.mesh_facenormal
+        .extend(corners.as_chunks().0.iter().map(numbers));
+    let corners = take(&mut mesh.face_texture);
+    all.mesh_facetexcoord
+        .extend(corners.as_chunks().0.iter().map(numbers));
+    all.mesh_facetexcoord.resize(all.mesh_face.len(), [0; 3]);
+
+    let graph = mesh
+        .graph
+        .take()
+        .map_or(Vec::new(), |graph| graph.to_integers());
+    all.mesh_graphadr
+        .push(address(all.mesh_graph.len(), graph.len()));
+    all.mesh_graph.extend(graph);
+    all.mesh_extrema
+        .push(mesh.extrema.map(|vertex| vertex as u32));
+    all.mesh_polyadr.push(all.mesh_polynormal.len());
+    all.mesh_polynum.push(mesh.polygons.len());
+    all.mesh_polynormal.append(&mut mesh.polygon_normals);
+    for corners in take(&mut mesh.polygons) {
+        all.mesh_polyvertadr.push(all.mesh_polyvert.len());
+        all.mesh_polyvertnum.push(corners.len());
+        all.mesh_polyvert
+            .extend(corners.iter().map(|corner| *corner as u32));
+    }
+    for polygons in take(&mut mesh.polygons_of_vertex) {
+        all.mesh_polymapadr.push(all.mesh_polymap.len());
+        all.mesh_polymapnum.push(polygons.len());
+        all.mesh_polymap
+            .extend(polygons.iter().map(|polygon| *polygon as u32));
+    }
+    all.mesh_pos.push(mesh.position);
+    all.mesh_quat.push(mesh.orientation);
+}

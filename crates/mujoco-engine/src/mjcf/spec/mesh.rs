@@ -1,0 +1,142 @@
+//! Meshes.
+
+use std::path::PathBuf;
+
+use super::{replace, replace_some};
+use crate::Result;
+use crate::math::spatial::{Quat, Vec3};
+use crate::mjcf::xml::{Element, Place};
+
+/// How a mesh's mass is spread.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Inertia {
+    /// Through the convex hull.
+    Convex,
+    /// Through the volume of all triangles' pyramids from the centroid, each counted as positive.
+    #[default]
+    Legacy,
+    /// Through the volume that the faces enclose; these must be oriented alike.
+    Exact,
+    /// On the surface.
+    Shell,
+}
+
+/// What the element `mesh` says besides its data.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Options {
+    /// Multiplies the vertices' coordinates; an odd number of negative factors turns the faces.
+    pub scale: Vec3,
+    /// The origin, in the file's coordinates.
+    pub position: Vec3,
+    /// The orientation of the axes, in the file's coordinates; need not be of length 1.
+    pub orientation: Quat,
+    /// How the mass is spread.
+    pub inertia: Inertia,
+    /// Whether normals are means over edges of any angle.
+    pub smooth: bool,
+    /// `maxhullvert`: the most vertices of the hull, at least 4.
+    pub max_hull_vertices: Option<u32>,
+    /// Whether a geom that collides has the mesh.
+    pub collides: bool,
+}
+
+impl Default for Options {
+    fn default() -> Self {
+        Self {
+            scale: [1.0; 3],
+            position: [0.0; 3],
+            orientation: [1.0, 0.0, 0.0, 0.0],
+            inertia: Inertia::default(),
+            smooth: false,
+            max_hull_vertices: None,
+            collides: true,
+        }
+    }
+}
+
+/// A mesh, before its file is read.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Mesh {
+    pub(crate) place: Place,
+    pub(crate) name: String,
+    pub(crate) path: Option<PathBuf>,
+    pub(crate) content_type: Option<String>,
+    pub(crate) vertices: Vec<f32>,
+    pub(crate) normals: Vec<f32>,
+    pub(crate) texture: Vec<f32>,
+    pub(crate) faces: Vec<i32>,
+    pub(crate) options: Options,
+    /// The material of geoms that name none.
+    pub(crate) material: Option<String>,
+}
+
+impl Mesh {
+    /// Reads a mesh whose file is in `folder` beside the model.
+    pub(crate) fn read(
+        &mut self,
+        element: &mut Element<'_, '_>,
+        folder: &str,
+        strip: bool,
+    ) -> Result<()> {
+        self.place = element.place();
+        let file = element.text("file")?;
+        let bare = |file: &str| {
+            file.rsplit(['/', '\\'])
+                .next()
+                .unwrap_or_default()
+                .to_owned()
+        };
+        self.name = match (element.text("name")?, &file) {
+            (Some(name), _) => name,
+            (None, Some(file)) => {
+                let name = bare(file);
+                name.rsplit_once('.')
+                    .map_or(name.clone(), |(stem, _)| stem.to_owned())
+            }
+            (None, None) => return Err(element.missing("name")),
+        };
+        self.path = match file {
+            Some(file) if strip => Some(element.find("file", folder, &bare(&file))?),
+            Some(file) => Some(element.find("file", folder, &file)?),
+            None => None,
+        };
+        self.content_type = element.text("content_type")?;
+        for (name, list) in [
+            ("vertex", &mut self.vertices),
+            ("normal", &mut self.normals),
+            ("texcoord", &mut self.texture),
+        ] {
+            *list = element.list_of(name)?.unwrap_or_default();
+        }
+        self.faces = element.list_of("face")?.unwrap_or_default();
+        replace(&mut self.options.position, element.numbers("refpos")?);
+        replace(&mut self.options.orientation, element.numbers("refquat")?);
+        replace(&mut self.options.smooth, element.flag("smoothnormal")?);
+        replace_some(&mut self.material, element.text("material")?);
+        element.keyword("builtin", &[("none", ())])?;
+        self.read_class(element)
+    }
+
+    /// Reads the attributes that a class may have.
+    pub(crate) fn read_class(&mut self, element: &mut Element<'_, '_>) -> Result<()> {
+        let options = &mut self.options;
+        replace(&mut options.scale, element.numbers("scale")?);
+        let kinds = [
+            ("convex", Inertia::Convex),
+            ("legacy", Inertia::Legacy),
+            ("exact", Inertia::Exact),
+            ("shell", Inertia::Shell),
+        ];
+        element.set_keyword("inertia", &kinds, &mut options.inertia)?;
+        match element.integer::<i32>("maxhullvert")? {
+            None => {}
+            Some(-1) => options.max_hull_vertices = None,
+            Some(most @ 4..) => options.max_hull_vertices = Some(most as u32),
+            Some(most) => {
+                let reason = format!("is {most}: use at least 4, or -1 for no limit");
+                return Err(element.place().attribute("maxhullvert", reason));
+            }
+        }
+        Ok(())
+    }
+}

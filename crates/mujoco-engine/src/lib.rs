@@ -35,8 +35,8 @@
 //!   of 4.0 to the last bit, on every platform; [`Revision`] selects the release. What it does not
 //!   support is an error that names the place, never another result.
 //! - **A part of MJCF.** All joints, tendons, equality constraints and sensors of the list in
-//!   [`Model::from_xml`]; planes, spheres, capsules, cylinders, boxes, ellipsoids and meshes.
-//!   Height fields, flexes and plugins are refused.
+//!   [`Model::from_xml`]; planes, spheres, capsules, cylinders, boxes, ellipsoids, meshes and
+//!   height fields. Flexes and plugins are refused.
 //! - **Meshes.** [`mesh::Mesh`] compiles a mesh of an STL, OBJ or MSH file, with its
 //!   convex [`hull`], to the arrays of libmujoco.
 //! - **Determinism.** No clock, no threads, no global state, no allocation in a step, no `unsafe`.

@@ -138,7 +138,8 @@ pub(super) fn shadows(scene: &Scene<'_>, height: f64, canvas: &mut dyn Canvas) {
     let mut polygon = Vec::new();
     for g in 0..model.ngeom() {
         let center = data.geom_xpos[g];
-        let flat = matches!(model.geom_type[g], GeomType::Plane | GeomType::Mesh);
+        let kind = model.geom_type[g];
+        let flat = matches!(kind, GeomType::Plane | GeomType::Hfield | GeomType::Mesh);
         if flat || color_of(model, g).a < 128 || center[2] < height {
             continue;
         }

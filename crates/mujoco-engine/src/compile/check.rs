@@ -2,7 +2,7 @@
 
 use std::fmt::Display;
 
-use super::{features, meshes, values};
+use super::{features, hfields, meshes, values};
 use crate::error::ensure;
 use crate::mjcf::MOST;
 use crate::model::{CompiledModel, GeomType, JointType};
@@ -39,6 +39,7 @@ pub(super) fn check(m: &CompiledModel) -> Result<()> {
     joints(m)?;
     geoms(m)?;
     meshes::check(m)?;
+    hfields::check(m)?;
     others(m)?;
     features::check(m)?;
     values::check(m)
@@ -73,6 +74,7 @@ fn counts(m: &CompiledModel) -> Result<()> {
         ("bodies", m.nbody()),
         ("geoms", m.ngeom()),
         ("meshes", m.nmesh()),
+        ("height fields", m.nhfield()),
         ("joints", m.njnt()),
         ("degrees of freedom", m.nv()),
         ("actuators", m.nu()),
@@ -299,7 +301,7 @@ fn geoms(m: &CompiledModel) -> Result<()> {
             m.geom_condim[g]
         );
         let needed = match m.geom_type[g] {
-            GeomType::Plane | GeomType::Mesh => 0,
+            GeomType::Plane | GeomType::Hfield | GeomType::Mesh => 0,
             GeomType::Sphere => 1,
             GeomType::Capsule | GeomType::Cylinder => 2,
             GeomType::Ellipsoid | GeomType::Box => 3,

@@ -1,6 +1,6 @@
 //! Fills arrays that a serialised model may leave out because it does not use their feature.
 
-use crate::model::bounds::shape_box;
+use crate::model::bounds::bounding_box;
 use crate::model::{
     BiasType, CompiledModel, DynamicsType, Fluid, GainType, GeomType, ObjectType, Parameters,
     SOLIMP, SOLREF, TransmissionType, WrapType, padded,
@@ -59,10 +59,11 @@ impl CompiledModel {
         } else {
             m.geom_aabb.clear();
         }
-        let shapes = m.geom_type.iter().zip(&m.geom_size);
-        for (bounds, (kind, size)) in m.geom_aabb.iter_mut().zip(shapes) {
-            if *kind != GeomType::Mesh {
-                bounds.copy_from_slice(shape_box(*kind, *size).as_flattened());
+        let known = m.geom_aabb.len().min(m.geom_type.len());
+        for g in 0..known.min(m.geom_size.len()) {
+            if m.geom_type[g] != GeomType::Mesh {
+                let bounds = bounding_box(m, g);
+                m.geom_aabb[g].copy_from_slice(bounds.as_flattened());
             }
         }
     }

@@ -65,11 +65,11 @@ fn boxed(m: CompiledModel) -> Result<Box<Model>> {
     Model::new(m).map(Box::new)
 }
 
-/// The radius of the bounding sphere of a shape; 0 for a plane. The size of a mesh is that of a box
-/// around it.
+/// The radius of the bounding sphere of a shape; 0 for a plane or a height field. The size of a mesh
+/// is that of a box around it.
 pub(crate) fn bounding_radius(shape: GeomType, size: [f64; 3]) -> f64 {
     match shape {
-        GeomType::Plane => 0.0,
+        GeomType::Plane | GeomType::Hfield => 0.0,
         GeomType::Sphere => size[0],
         GeomType::Capsule => size[0] + size[1],
         GeomType::Cylinder => (size[0] * size[0] + size[1] * size[1]).sqrt(),
@@ -80,12 +80,19 @@ pub(crate) fn bounding_radius(shape: GeomType, size: [f64; 3]) -> f64 {
     }
 }
 
+/// The radius of the bounding sphere of a height field.
+pub(crate) fn hfield_radius([x, y, height, base]: [f64; 4]) -> f64 {
+    (x * x + y * y + f64::max(height * height, base * base)).sqrt()
+}
+
 fn bound_geoms(m: &mut CompiledModel) {
     for g in 0..m.ngeom() {
-        // a mesh keeps its own, which does not follow from `geom_size`
-        if m.geom_type[g] != GeomType::Mesh {
-            m.geom_rbound[g] = bounding_radius(m.geom_type[g], m.geom_size[g]);
-        }
+        m.geom_rbound[g] = match m.geom_type[g] {
+            // a mesh keeps its own, which does not follow from `geom_size`
+            GeomType::Mesh => m.geom_rbound[g],
+            GeomType::Hfield => hfield_radius(m.hfield_size(g)),
+            kind => bounding_radius(kind, m.geom_size[g]),
+        };
     }
 }
 

@@ -182,5 +182,9 @@ fn unsupported(m: &CompiledModel) -> Result<()> {
         !(sees && m.geom_type.contains(&GeomType::Mesh)),
         "rangefinders, which see meshes, in a model with meshes: not supported"
     );
+    ensure!(
+        !(sees && m.geom_type.contains(&GeomType::Hfield)),
+        "rangefinders, which see height fields, in a model with height fields: not supported"
+    );
     Ok(())
 }

@@ -1,6 +1,6 @@
 //! Geoms and sites.
 
-use super::constants::bounding_radius;
+use super::constants::{bounding_radius, hfield_radius};
 use super::fluid;
 use super::inertia::{self, Inertia};
 use super::mesh::Mesh;
@@ -23,13 +23,21 @@ pub(super) fn add_geom(
     let Geom { place, shape, .. } = geom;
     let mut size = geom.size;
     let mesh = mesh_of(geom, spec)?;
+    let field = hfield_of(geom, spec)?;
+    if let Some(id) = field {
+        let [x, y, height, base] = spec.hfields[id].size;
+        size = [x, y, 0.25 * height + 0.5 * base];
+    }
     let own = match geom.fromto {
         None => {
             let quat = geom.orientation.resolve(&spec.compiler);
             (geom.pos.unwrap_or_default(), quat)
         }
         Some(ends) => {
-            if matches!(shape, GeomType::Plane | GeomType::Sphere | GeomType::Mesh) {
+            if matches!(
+                shape,
+                GeomType::Plane | GeomType::Hfield | GeomType::Sphere | GeomType::Mesh
+            ) {
                 return Err(place.attribute(
                     "fromto",
                     "only capsules, cylinders, ellipsoids and boxes have ends: give type=\"capsule\"",
@@ -56,8 +64,8 @@ pub(super) fn add_geom(
     let surface = mesh
         .filter(|_| *shape == GeomType::Mesh)
         .map(|id| &meshes[id]);
-    if *shape == GeomType::Plane && m.body_weldid[body] != 0 {
-        let reason = "a plane belongs to the world or to a body fixed to it";
+    if *shape <= GeomType::Hfield && m.body_weldid[body] != 0 {
+        let reason = "a plane or height field belongs to the world or to a body fixed to it";
         return Err(place.attribute("type", reason));
     }
     let volume = match surface {
@@ -87,7 +95,10 @@ pub(super) fn add_geom(
     m.geom_condim.push(geom.condim);
     m.geom_priority.push(geom.priority);
     m.geom_size.push(size);
-    m.geom_rbound.push(bounding_radius(*shape, size));
+    m.geom_rbound.push(match field {
+        Some(id) => hfield_radius(spec.hfields[id].size),
+        None => bounding_radius(*shape, size),
+    });
     m.geom_aabb.push(match surface {
         Some(Mesh { lower, upper, .. }) => {
             let half = |sign: f64| [0, 1, 2].map(|k| (upper[k] + sign * lower[k]) / 2.0);
@@ -96,8 +107,8 @@ pub(super) fn add_geom(
         None => flat(shape_box(*shape, size)),
     });
     let kept = surface.is_some() || !spec.revision.forgets_fitted_meshes();
-    m.geom_dataid
-        .push(mesh.filter(|_| kept).map_or(-1, |id| id as i32));
+    let data = field.or(mesh.filter(|_| kept));
+    m.geom_dataid.push(data.map_or(-1, |id| id as i32));
     m.geom_fluid.push(if geom.fluid_ellipsoid {
         Fluid(fluid::coefficients(*shape, size, geom.fluid))
     } else {
@@ -142,6 +153,23 @@ fn mesh_of(geom: &Geom, spec: &Spec) -> Result<Option<usize>> {
         return error("shellinertia", reason);
     }
     Ok(Some(id))
+}
+
+/// The height field of a geom.
+fn hfield_of(geom: &Geom, spec: &Spec) -> Result<Option<usize>> {
+    let error = |reason: &str| Err(geom.place.attribute("hfield", reason));
+    match (&geom.hfield, geom.shape) {
+        (None, GeomType::Hfield) => error("missing: it must be given for type=\"hfield\""),
+        (None, _) => Ok(None),
+        (Some(name), GeomType::Hfield) => {
+            let id = spec.hfields.iter().position(|field| field.name == *name);
+            match id {
+                None => error(&format!("there is no height field {name:?}")),
+                id => Ok(id),
+            }
+        }
+        (Some(_), _) => error("goes only with type=\"hfield\""),
+    }
 }
 
 /// The frame of a geom with a mesh, moved to the mesh's, or to the centre of a shape that is fitted
@@ -200,7 +228,7 @@ fn check_size(geom: &Geom, size: [f64; 3]) -> Result<()> {
         GeomType::Cylinder => (2, "a radius and a half length (or fromto)"),
         GeomType::Ellipsoid => (3, "three half axes (or one and fromto)"),
         GeomType::Box => (3, "three half sizes (or one and fromto)"),
-        GeomType::Mesh => return Ok(()),
+        GeomType::Mesh | GeomType::Hfield => return Ok(()),
     };
     if size[..needed].iter().any(|x| *x <= 0.0) {
         let reason = format!("this shape has {what}, which must be positive");

@@ -37,8 +37,8 @@ pub(super) fn volume(shape: GeomType, [r, half, z]: [f64; 3], shell: bool) -> f6
             let sum = libm::pow(r * half, P) + libm::pow(half * z, P) + libm::pow(z * r, P);
             4.0 * PI * libm::pow(sum / 3.0, 1.0 / P)
         }
-        (GeomType::Box, false) => r * half * z * 8.0,
-        (GeomType::Box, true) => 8.0 * (r * half + half * z + z * r),
+        (GeomType::Box | GeomType::Hfield, false) => r * half * z * 8.0,
+        (GeomType::Box | GeomType::Hfield, true) => 8.0 * (r * half + half * z + z * r),
     }
 }
 
@@ -70,7 +70,7 @@ pub(super) fn moments(shape: GeomType, mass: f64, size: [f64; 3], shell: bool) -
             [across, across, tube * r * r / 2.0 + ball_moment]
         }
         GeomType::Ellipsoid => [yy + zz, xx + zz, xx + yy].map(|x| mass * x / 5.0),
-        GeomType::Box => [yy + zz, xx + zz, xx + yy].map(|x| mass * x / 3.0),
+        GeomType::Box | GeomType::Hfield => [yy + zz, xx + zz, xx + yy].map(|x| mass * x / 3.0),
     }
 }
 
@@ -109,7 +109,7 @@ fn shell_moments(shape: GeomType, mass: f64, size: [f64; 3]) -> [f64; 3] {
             let more = moments(GeomType::Ellipsoid, outside * density, outer, false);
             std::array::from_fn(|k| more[k] - less[k])
         }
-        GeomType::Box => {
+        GeomType::Box | GeomType::Hfield => {
             let [lx, ly, lz] = size.map(|x| 2.0 * x);
             let [xx, yy, zz] = size.map(|x| x * x);
             let (a0, a1, a2) = (lx * ly, ly * lz, lz * lx);

@@ -80,6 +80,9 @@ fn geoms(m: &CompiledModel) -> Result<()> {
     same_length!(m, m.ngeom(), geom_dataid);
     same_length!(m, if m.has_meshes() { m.ngeom() } else { 0 }, geom_aabb);
     for (g, &id) in m.geom_dataid.iter().enumerate() {
+        if m.geom_type[g] == GeomType::Hfield {
+            continue;
+        }
         let exists = usize::try_from(id).is_ok_and(|id| id < m.nmesh());
         let needed = m.geom_type[g] == GeomType::Mesh;
         ensure!(

@@ -5,6 +5,7 @@
 //! | `source` | models from texts and files |
 //! | `body`, `joint`, `geom`, ... | a section of MJCF each: ids, frames |
 //! | `inertia`, `fluid` | masses, principal axes, coefficients of shapes |
+//! | `hfields` | height fields of a model, from its text or files |
 //! | `mesh`, `hull`, `assets` | meshes of files; their convex hulls; the meshes of a model |
 //! | `constants` | fields that follow from others, by stages of the engine |
 //! | `complete`, `check`, `features`, `meshes`, `values` | fields left out; refusal of models that the engine cannot run |
@@ -22,6 +23,7 @@ mod features;
 mod figures;
 mod fluid;
 mod geom;
+mod hfields;
 pub mod hull;
 mod inertia;
 mod joint;
@@ -52,6 +54,7 @@ pub(super) fn compile(spec: &Spec) -> Result<Box<CompiledModel>> {
         ..CompiledModel::default()
     });
     let meshes = assets::add_meshes(&mut m, spec)?;
+    hfields::add_hfields(&mut m, spec)?;
     for (id, body) in spec.bodies.iter().enumerate() {
         body::add_body(&mut m, spec, &meshes, id, body)?;
     }

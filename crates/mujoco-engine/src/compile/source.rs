@@ -14,8 +14,8 @@ impl Model {
     /// | `compiler` | angle, eulerseq, autolimits, inertiafromgeom, inertiagrouprange, balanceinertia, boundmass, boundinertia, settotalmass, meshdir, assetdir, strippath, fitaabb, coordinate="local" |
     /// | `option` | timestep, gravity, wind, magnetic, density, viscosity, cone, impratio, solver, iterations, ls_iterations, tolerance, noslip_iterations, noslip_tolerance, integrator, `flag` |
     /// | bodies | `body` (mocap, gravcomp), `frame`, `replicate`, `inertial`; all joints with springs, dampers, dry friction, limits; sites, cameras, lights |
-    /// | `geom` | plane, sphere, capsule, ellipsoid, cylinder, box; fluidshape; all contact parameters; meshes, and shapes fitted to them |
-    /// | `asset` | mesh, of a file (STL, OBJ, MSH) or of vertices in the text: scale, refpos, refquat, inertia, smoothnormal, maxhullvert |
+    /// | `geom` | plane, hfield, sphere, capsule, ellipsoid, cylinder, box; fluidshape; all contact parameters; meshes, and shapes fitted to them |
+    /// | `asset` | mesh, of a file (STL, OBJ, MSH) or of vertices in the text: scale, refpos, refquat, inertia, smoothnormal, maxhullvert; hfield, of a file (PNG, or MuJoCo's binary) or of elevations in the text |
     /// | `contact` | pair, exclude |
     /// | `equality` | connect, weld, joint, tendon |
     /// | `tendon` | fixed, spatial (sites, pulleys, spheres and cylinders with side sites) |
@@ -25,10 +25,10 @@ impl Model {
     ///
     /// `asset` gives the colours of materials; `statistic` and `size` are read as in MuJoCo; `visual`,
     /// `custom`, `user`, `group`, textures and skins are ignored. Rangefinders
-    /// in a model with meshes, height fields as geoms,
+    /// in a model with meshes or height fields,
     /// composites, flexes and plugins are errors, and so are more than 1000 objects of a kind (sites:
     /// 200,000 elements together) and more than 8 MiB of names, both with the copies that `replicate`
-    /// makes, and files of meshes with more than 256 MiB together.
+    /// makes, and files of meshes or of height fields with more than 256 MiB together.
     ///
     /// # Errors
     /// [`Error::Mjcf`] for text that is not XML, for anything outside the supported part of MJCF,

@@ -167,7 +167,7 @@ pub(crate) fn bytes(path: &Path, left: &mut u64) -> Result<Vec<u8>, String> {
         .checked_sub(about.len().max(bytes.len() as u64))
         .ok_or_else(|| {
             format!(
-                "the files of all meshes together have more than {MAX_ASSETS} bytes: simplify them"
+                "the files of all assets together have more than {MAX_ASSETS} bytes: simplify them"
             )
         })?;
     Ok(bytes)

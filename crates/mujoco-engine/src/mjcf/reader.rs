@@ -4,7 +4,9 @@ use super::MOST;
 use super::bodies::Bodies;
 use super::defaults::Classes;
 use super::files::Files;
-use super::spec::{ACTUATORS, Body, EQUALITIES, Exclude, Key, Sensor, Spec, Tendon, replace};
+use super::spec::{
+    ACTUATORS, Body, EQUALITIES, Exclude, Hfield, Key, Sensor, Spec, Tendon, replace,
+};
 use super::xml::Element;
 use crate::model::{Cone, Disable, Integrator, SensorType, Solver};
 use crate::{Result, Revision};
@@ -227,7 +229,8 @@ impl Reader<'_> {
         Ok(())
     }
 
-    /// Stores the colours of materials and the meshes, and ignores assets that only affect pictures.
+    /// Stores the colours of materials, meshes and height fields, and ignores assets that only affect
+    /// pictures.
     fn read_asset(&mut self, section: Element<'_, '_>) -> Result<()> {
         for mut child in section.children()? {
             match child.name() {
@@ -246,7 +249,15 @@ impl Reader<'_> {
                     fits(&self.spec.meshes, "meshes", &section)?;
                     self.spec.meshes.push(mesh);
                 }
-                "texture" | "skin" | "hfield" => {}
+                "hfield" => {
+                    let compiler = &self.spec.compiler;
+                    let (folder, strip) = (&compiler.mesh_folder, compiler.strip_path);
+                    let field = Hfield::read(&mut child, folder, strip)?;
+                    child.finish_without_children()?;
+                    fits(&self.spec.hfields, "height fields", &section)?;
+                    self.spec.hfields.push(field);
+                }
+                "texture" | "skin" => {}
                 _ => {
                     let known = ["material", "mesh", "texture", "skin", "hfield"];
                     return Err(section.unsupported(&child, &known));

@@ -14,14 +14,21 @@ pub(crate) type Bounds = [Vec3; 2];
 
 /// The box around a geom, in its frame: MuJoCo's `geom_aabb`.
 pub(crate) fn bounding_box(m: &CompiledModel, g: usize) -> Bounds {
-    if m.geom_type[g] != GeomType::Mesh {
-        return shape_box(m.geom_type[g], m.geom_size[g]);
+    match m.geom_type[g] {
+        GeomType::Mesh => {}
+        GeomType::Hfield => {
+            let [x, y, height, base] = m.hfield_size(g);
+            let middle = [0.0, 0.0, (height - base) / 2.0];
+            return [middle, [x, y, (height + base) / 2.0]];
+        }
+        kind => return shape_box(kind, m.geom_size[g]),
     }
     let [x, y, z, i, j, k] = m.geom_aabb[g];
     [[x, y, z], [i, j, k]]
 }
 
-/// The box around a shape, in its frame; without extent for a mesh, which has no size.
+/// The box around a shape, in its frame; without extent for a mesh or a height field, which have no
+/// size.
 pub(crate) fn shape_box(kind: GeomType, size: Vec3) -> Bounds {
     let [r, half, z] = size;
     let centre = match kind {
@@ -34,7 +41,7 @@ pub(crate) fn shape_box(kind: GeomType, size: Vec3) -> Bounds {
         GeomType::Capsule => [r, r, r + half],
         GeomType::Cylinder => [r, r, half],
         GeomType::Ellipsoid | GeomType::Box => [r, half, z],
-        GeomType::Mesh => [0.0; 3],
+        GeomType::Mesh | GeomType::Hfield => [0.0; 3],
     };
     [centre, half]
 }

@@ -60,6 +60,8 @@ changes! {
     /// The contacts of two convex shapes are found at once, by clipping faces, instead of by turning
     /// the shapes. (3.15)
     clips_faces since V3_17;
+    /// The margin of a height field and a shape is that of other pairs.
+    treats_prisms_as_shapes since V4_0;
     /// The boxes around moving bodies are not compared in single precision.
     sweeps_otherwise since V3_17;
     /// Convex shapes with a margin are compared without it first.

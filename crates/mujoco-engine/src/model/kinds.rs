@@ -58,6 +58,8 @@ numbered! {
     GeomType, "geom type" {
         /// An infinite plane, with the z axis as its normal.
         Plane = 0,
+        /// A height field, with its heights along the z axis.
+        Hfield = 1,
         /// A sphere.
         Sphere = 2,
         /// A cylinder along z with half spheres at its ends.

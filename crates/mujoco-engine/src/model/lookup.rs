@@ -47,6 +47,20 @@ impl CompiledModel {
         self.meshes.mesh_vertadr.len()
     }
 
+    /// Number of height fields.
+    #[must_use]
+    pub fn nhfield(&self) -> usize {
+        self.hfields.hfield_size.len()
+    }
+
+    /// The size of the height field of a geom; zeros if there is none.
+    pub(crate) fn hfield_size(&self, geom: usize) -> [f64; 4] {
+        let id = self.geom_dataid.get(geom).copied();
+        let id = id.and_then(|id| usize::try_from(id).ok());
+        let size = id.and_then(|id| self.hfields.hfield_size.get(id));
+        size.copied().unwrap_or_default()
+    }
+
     /// Whether a geom is a mesh.
     pub(crate) fn has_meshes(&self) -> bool {
         self.geom_type.contains(&GeomType::Mesh)

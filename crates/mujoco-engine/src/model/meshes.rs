@@ -100,25 +100,3 @@ pub struct Meshes {
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub mesh_quat: Vec<[f64; 4]>,
 }
-
-/// How shared meshes are stored: like ones that are not.
-pub(super) mod shared {
-    use std::sync::Arc;
-
-    use serde::{Deserialize, Deserializer, Serialize, Serializer};
-
-    use super::Meshes;
-
-    pub(in crate::model) fn serialize<S: Serializer>(
-        meshes: &Arc<Meshes>,
-        to: S,
-    ) -> Result<S::Ok, S::Error> {
-        meshes.as_ref().serialize(to)
-    }
-
-    pub(in crate::model) fn deserialize<'de, D: Deserializer<'de>>(
-        from: D,
-    ) -> Result<Arc<Meshes>, D::Error> {
-        Meshes::deserialize(from).map(Arc::new)
-    }
-}

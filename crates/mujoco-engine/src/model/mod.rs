@@ -10,6 +10,7 @@ mod changes;
 mod checked;
 mod constraints;
 mod frames;
+mod hfields;
 mod kinds;
 mod lookup;
 mod meshes;
@@ -19,6 +20,7 @@ mod paths;
 mod plan;
 mod revision;
 mod sensors;
+mod shared;
 mod softness;
 mod types;
 
@@ -29,6 +31,7 @@ use serde::{Deserialize, Serialize};
 pub use checked::Model;
 pub(crate) use constraints::{Equality, Scalar};
 pub(crate) use frames::{Base, Mount, Pose, same, same_quat};
+pub use hfields::Hfields;
 pub use kinds::{
     BiasType, Cone, DynamicsType, EqualityType, GainType, GeomType, Integrator, JointType,
     ObjectType, Solver, TransmissionType, WrapType,
@@ -215,7 +218,7 @@ pub struct CompiledModel {
     /// Fluid coefficients: 1 for the ellipsoid model (else 0), five coefficients, virtual masses
     /// and moments.
     pub geom_fluid: Vec<Fluid>,
-    /// The geom's mesh, the one that it was fitted to in 3.12, or -1.
+    /// The geom's mesh, the one that it was fitted to in 3.12, its height field, or -1.
     #[serde(skip_serializing_if = "none")]
     pub geom_dataid: Vec<i32>,
     /// The box around the geom in its frame: centre, half sizes. Of other shapes than meshes it
@@ -224,8 +227,11 @@ pub struct CompiledModel {
     pub geom_aabb: Vec<[f64; 6]>,
 
     /// The meshes; copies of the model share them.
-    #[serde(flatten, with = "meshes::shared")]
+    #[serde(flatten, with = "shared")]
     pub meshes: Arc<Meshes>,
+    /// The height fields; copies of the model share them.
+    #[serde(flatten, with = "shared")]
+    pub hfields: Arc<Hfields>,
 
     /// The site's body.
     pub site_bodyid: Vec<usize>,

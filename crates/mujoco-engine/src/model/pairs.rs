@@ -54,6 +54,7 @@ impl Pair {
             Cylinder => matches!(self.kind.0, Capsule | Ellipsoid | Cylinder),
             Box => matches!(self.kind.0, Ellipsoid | Cylinder),
             Mesh => true,
+            _ if self.kind.0 == GeomType::Hfield => true,
             _ => false,
         }
     }
@@ -152,11 +153,12 @@ impl Plan {
         Ok(pairs)
     }
 
-    /// Builds the pair of two geoms; `None` for two planes, which never touch.
+    /// Builds the pair of two geoms; `None` for planes and height fields, which never touch each
+    /// other.
     fn pair(&self, m: &CompiledModel, [g1, g2]: [usize; 2], figures: &Figures) -> Option<Pair> {
         let [g1, g2] = by_type(m, [g1, g2]);
         let kind = (m.geom_type[g1], m.geom_type[g2]);
-        if kind == (GeomType::Plane, GeomType::Plane) {
+        if kind.1 <= GeomType::Hfield {
             return None;
         }
         let (b1, b2) = (m.geom_bodyid[g1], m.geom_bodyid[g2]);
@@ -301,6 +303,7 @@ pub(crate) fn signature([b1, b2]: [usize; 2]) -> u32 {
 /// The largest number of contacts of two shapes.
 pub(super) fn most_contacts(kind: (GeomType, GeomType)) -> usize {
     match kind {
+        (GeomType::Hfield, _) => 50,
         (GeomType::Plane, GeomType::Capsule) | (GeomType::Capsule, GeomType::Capsule) => 2,
         (GeomType::Capsule, GeomType::Box) => 2,
         (GeomType::Plane, GeomType::Cylinder | GeomType::Box | GeomType::Mesh) => 4,

@@ -6,6 +6,7 @@ mod common;
 mod compiled;
 mod contacts;
 mod frames;
+mod hfields;
 mod meshes;
 mod mjcf;
 mod numbers;

@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use super::{replace, replace_some};
+use super::{file_of, replace, replace_some};
 use crate::Result;
 use crate::math::spatial::{Quat, Vec3};
 use crate::mjcf::xml::{Element, Place};
@@ -79,27 +79,7 @@ impl Mesh {
         strip: bool,
     ) -> Result<()> {
         self.place = element.place();
-        let file = element.text("file")?;
-        let bare = |file: &str| {
-            file.rsplit(['/', '\\'])
-                .next()
-                .unwrap_or_default()
-                .to_owned()
-        };
-        self.name = match (element.text("name")?, &file) {
-            (Some(name), _) => name,
-            (None, Some(file)) => {
-                let name = bare(file);
-                name.rsplit_once('.')
-                    .map_or(name.clone(), |(stem, _)| stem.to_owned())
-            }
-            (None, None) => return Err(element.missing("name")),
-        };
-        self.path = match file {
-            Some(file) if strip => Some(element.find("file", folder, &bare(&file))?),
-            Some(file) => Some(element.find("file", folder, &file)?),
-            None => None,
-        };
+        (self.name, self.path) = file_of(element, folder, strip)?;
         self.content_type = element.text("content_type")?;
         for (name, list) in [
             ("vertex", &mut self.vertices),

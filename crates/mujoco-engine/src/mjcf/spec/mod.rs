@@ -23,6 +23,7 @@ mod actuator;
 mod body;
 mod contact;
 mod equality;
+mod hfield;
 mod keyframe;
 mod mesh;
 mod parts;
@@ -33,6 +34,7 @@ pub(crate) use actuator::{Actuator, KINDS as ACTUATORS};
 pub(crate) use body::{Body, Camera, Inertial, Light, Moments};
 pub(crate) use contact::{Exclude, Pair};
 pub(crate) use equality::{EQUALITIES, Equality};
+pub(crate) use hfield::Hfield;
 pub(crate) use keyframe::Key;
 pub(crate) use mesh::Mesh;
 pub use mesh::{Inertia, Options as MeshOptions};
@@ -40,9 +42,40 @@ pub(crate) use parts::{Frame, Geom, Joint, Site};
 pub(crate) use sensor::{Sensor, Target};
 pub(crate) use tendon::{Tendon, Wrap};
 
+use std::path::PathBuf;
+
 use super::xml::Element;
 use crate::model::{Options, SOLIMP, SOLREF};
 use crate::{Error, Result, Revision};
+
+/// The name of an asset, and its file in `folder` beside the model. An asset without a name has that
+/// of its file.
+fn file_of(
+    element: &mut Element<'_, '_>,
+    folder: &str,
+    strip: bool,
+) -> Result<(String, Option<PathBuf>)> {
+    let file = element.text("file")?;
+    let bare = |file: &str| {
+        let last = file.rsplit(['/', '\\']).next();
+        last.unwrap_or_default().to_owned()
+    };
+    let name = match (element.text("name")?, &file) {
+        (Some(name), _) => name,
+        (None, Some(file)) => {
+            let name = bare(file);
+            let stem = name.rsplit_once('.').map(|(stem, _)| stem.to_owned());
+            stem.unwrap_or(name)
+        }
+        (None, None) => return Err(element.missing("name")),
+    };
+    let path = match file {
+        Some(file) if strip => Some(element.find("file", folder, &bare(&file))?),
+        Some(file) => Some(element.find("file", folder, &file)?),
+        None => None,
+    };
+    Ok((name, path))
+}
 
 /// A whole model.
 #[derive(Debug, Default)]
@@ -55,6 +88,7 @@ pub(crate) struct Spec {
     pub(crate) nkey: usize,
     pub(crate) materials: Vec<Material>,
     pub(crate) meshes: Vec<Mesh>,
+    pub(crate) hfields: Vec<Hfield>,
     /// The world, then the others, each after its parent.
     pub(crate) bodies: Vec<Body>,
     pub(crate) excludes: Vec<Exclude>,

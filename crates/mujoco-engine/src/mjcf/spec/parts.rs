@@ -129,6 +129,7 @@ with_defaults! {
         rgba: [f64; 4] = GREY,
         material: Option<String> = None,
         mesh: Option<String> = None,
+        hfield: Option<String> = None,
         /// The factor of a size that is fitted to a mesh.
         fit_scale: f64 = 1.0,
         group: i32 = 0,
@@ -146,6 +147,7 @@ impl Geom {
         self.place = element.place();
         let shapes = [
             ("plane", GeomType::Plane),
+            ("hfield", GeomType::Hfield),
             ("sphere", GeomType::Sphere),
             ("capsule", GeomType::Capsule),
             ("ellipsoid", GeomType::Ellipsoid),
@@ -182,6 +184,7 @@ impl Geom {
         replace(&mut self.rgba, element.numbers("rgba")?);
         replace_some(&mut self.material, element.text("material")?);
         replace_some(&mut self.mesh, element.text("mesh")?);
+        replace_some(&mut self.hfield, element.text("hfield")?);
         replace(&mut self.fit_scale, element.number("fitscale")?);
         replace(&mut self.group, element.integer("group")?);
         replace(&mut self.shell, element.flag("shellinertia")?);

@@ -6,7 +6,7 @@
 use super::epa::Polytope;
 use super::gjk::{self, Vertex};
 use super::mesh::Mesh;
-use super::{Hit, Push, Shape, frame};
+use super::{Hit, Push, Shape, frame, hfield};
 use crate::Revision;
 use crate::math::spatial::{
     InTurn, MINVAL, Mat3, Order, Vec3, add, add_scaled, axis_angle, column, dot, norm, normalize,
@@ -27,11 +27,13 @@ pub(super) struct Solid<'a> {
     pub(super) shape: Shape<'a>,
     /// The mesh, if the shape is one.
     pub(super) mesh: Option<&'a Mesh<'a>>,
+    /// The corners of a prism of a height field, which has no other frame.
+    pub(super) prism: Option<&'a [Vec3; 6]>,
 }
 
 impl<'a> Solid<'a> {
     /// The solid in another place.
-    fn at(self, pos: Vec3, mat: &'a Mat3) -> Self {
+    pub(super) fn at(self, pos: Vec3, mat: &'a Mat3) -> Self {
         let shape = Shape {
             pos,
             mat,
@@ -47,7 +49,7 @@ impl<'a> Solid<'a> {
 
     /// Whether the shape has finitely many support points.
     pub(super) fn is_discrete(&self) -> bool {
-        matches!(self.kind, GeomType::Box | GeomType::Mesh)
+        matches!(self.kind, GeomType::Box | GeomType::Mesh | GeomType::Hfield)
     }
 
     /// Whether the shape has flat or straight parts, where more than one contact is possible.
@@ -57,8 +59,11 @@ impl<'a> Solid<'a> {
 
     /// The point furthest in a direction, and the number of the corner of a box, of the vertex of a
     /// mesh, or of the end of a cylinder: 1 for the lower one.
-    fn support(&self, direction: Vec3) -> (Vec3, u32) {
+    pub(super) fn support(&self, direction: Vec3) -> (Vec3, u32) {
         let shape = self.shape;
+        if let Some(prism) = self.prism {
+            return (hfield::support(prism, direction), 0);
+        }
         if let Some(mesh) = self.mesh {
             let vertex = mesh.support(rotate_back(shape.mat, direction));
             let point = add(rotate(shape.mat, mesh.vertex(vertex)), shape.pos);
@@ -87,6 +92,10 @@ impl<'a> Solid<'a> {
         }
     }
 
+    fn centre(&self) -> Vec3 {
+        self.prism.map_or(self.shape.pos, hfield::centre)
+    }
+
     /// [`support`](Self::support) of the centre or axis, for shapes with a radius around it.
     fn core(&self, direction: Vec3) -> (Vec3, u32) {
         match self.kind {
@@ -109,7 +118,8 @@ pub(super) fn contacts(
     push: Push<'_>,
 ) {
     let mut one = |a: Solid<'_>, b: Solid<'_>| {
-        one(a, b, margin, revision, polytope).map(|touch| touch.hit(margin))
+        let grown = [0.5 * margin; 2];
+        one(a, b, grown, revision, polytope).map(|touch| touch.hit(margin))
     };
     let Some(first) = one(a, b) else {
         return;
@@ -150,44 +160,47 @@ fn turned(shape: Shape<'_>, about: Vec3, turn: &Mat3) -> (Vec3, Mat3) {
     (sub(shape.pos, moved), mat)
 }
 
-/// Returns the deepest points of two shapes; `None` without a contact.
+/// Returns the deepest points of two shapes; `None` without a contact. Each shape is grown by a part
+/// of the margin.
 pub(super) fn one(
     a: Solid<'_>,
     b: Solid<'_>,
-    margin: f64,
+    grown: [f64; 2],
     revision: Revision,
     polytope: &mut Polytope,
 ) -> Option<Touch> {
-    let grown = 0.5 * margin;
-    let grow = |(point, corner): (Vec3, u32), direction: Vec3| {
+    let grow = |(point, corner): (Vec3, u32), grown: f64, direction: Vec3| {
         if grown > 0.0 {
             (add_scaled(point, direction, grown), corner)
         } else {
             (point, corner)
         }
     };
-    let centers = [a.shape.pos, b.shape.pos];
-    let without_margin = revision.shrinks_to_cores() && margin > 0.0;
+    let centers = [a.centre(), b.centre()];
+    let without_margin = revision.shrinks_to_cores() && grown != [0.0; 2];
     if a.radius().is_some() || b.radius().is_some() || without_margin {
         // the distance from each support point to the shape's surface; before 4.0, the support
         // point of a shape without a radius includes the margin
-        let reach = |solid: Solid<'_>| match (solid.radius(), revision.shrinks_to_cores()) {
-            (Some(radius), false) => radius + grown,
-            (Some(radius), true) => grown + radius,
-            (None, false) => 0.0,
-            (None, true) => grown,
-        };
-        let reaches = [reach(a), reach(b)];
-        let core = |solid: Solid<'_>, direction: Vec3| {
+        let reach =
+            |solid: Solid<'_>, grown: f64| match (solid.radius(), revision.shrinks_to_cores()) {
+                (Some(radius), false) => radius + grown,
+                (Some(radius), true) => grown + radius,
+                (None, false) => 0.0,
+                (None, true) => grown,
+            };
+        let reaches = [reach(a, grown[0]), reach(b, grown[1])];
+        let core = |solid: Solid<'_>, grown: f64, direction: Vec3| {
             let point = solid.core(direction);
             if solid.radius().is_none() && !revision.shrinks_to_cores() {
-                grow(point, direction)
+                grow(point, grown, direction)
             } else {
                 point
             }
         };
-        let cores =
-            |direction: Vec3| Vertex::new(core(a, direction), core(b, scale(direction, -1.0)));
+        let cores = |direction: Vec3| {
+            let first = core(a, grown[0], direction);
+            Vertex::new(first, core(b, grown[1], scale(direction, -1.0)))
+        };
         let finite = |solid: Solid<'_>| solid.is_discrete() || solid.radius().is_some();
         let discrete = revision.shrinks_to_cores() && finite(a) && finite(b);
         let reach = reaches[0] + reaches[1];
@@ -213,12 +226,12 @@ pub(super) fn one(
 
     let whole = |direction: Vec3| {
         let back = scale(direction, -1.0);
-        let first = grow(a.support(direction), direction);
-        Vertex::new(first, grow(b.support(back), back))
+        let first = grow(a.support(direction), grown[0], direction);
+        Vertex::new(first, grow(b.support(back), grown[1], back))
     };
     let rules = (
         revision,
-        margin == 0.0 && a.is_discrete() && b.is_discrete(),
+        grown == [0.0; 2] && a.is_discrete() && b.is_discrete(),
     );
     let found = gjk::distance(centers, 0.0, rules, &whole);
     if found.distance > gjk::TOLERANCE || found.separated {

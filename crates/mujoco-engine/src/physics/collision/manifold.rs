@@ -44,7 +44,7 @@ pub(super) fn contacts(
     polytope: &mut Polytope,
     push: Push<'_>,
 ) {
-    let Some(touch) = one(a, b, margin, revision, polytope) else {
+    let Some(touch) = one(a, b, [0.5 * margin; 2], revision, polytope) else {
         return;
     };
     let features = &mut polytope.features;

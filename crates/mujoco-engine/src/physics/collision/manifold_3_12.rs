@@ -18,7 +18,7 @@ pub(super) fn contacts(
     polytope: &mut Polytope,
     push: Push<'_>,
 ) {
-    let Some(mut touch) = one(a, b, 0.0, revision, polytope) else {
+    let Some(mut touch) = one(a, b, [0.0; 2], revision, polytope) else {
         return;
     };
     let features = &mut polytope.features;

@@ -7,7 +7,7 @@ use super::features::Features;
 use super::manifold::{area, keep, largest};
 use super::{Hit, Push, Shape};
 use crate::math::spatial::{Vec3, add, add_scaled, dot, norm, rotate, rotate_back, scale, sub};
-use crate::model::CompiledModel;
+use crate::model::{CompiledModel, GeomType};
 
 /// Meshes with fewer vertices are searched exhaustively: MuJoCo's `mjMESH_HILLCLIMB_MIN`.
 const FEW: usize = 10;
@@ -67,7 +67,10 @@ impl<'a> Hull<'a> {
 impl<'a> Mesh<'a> {
     /// The mesh of a geom; `None` for other shapes.
     pub(super) fn of(m: &'a CompiledModel, geom: usize) -> Option<Self> {
-        let mesh = usize::try_from(*m.geom_dataid.get(geom)?).ok()?;
+        if m.geom_type[geom] != GeomType::Mesh {
+            return None;
+        }
+        let mesh = usize::try_from(m.geom_dataid[geom]).ok()?;
         let m = &*m.meshes;
         let (first, count) = (m.mesh_vertadr[mesh], m.mesh_vertnum[mesh]);
         let vertices = first..first + count;

@@ -11,6 +11,7 @@ mod convex;
 mod epa;
 mod features;
 mod gjk;
+mod hfield;
 mod manifold;
 mod manifold_3_12;
 mod mesh;
@@ -31,6 +32,7 @@ use box_box::box_box;
 use boxes::{plane_box, sphere_box, sphere_cylinder};
 use capsule_box::capsule_box;
 use convex::Solid;
+use hfield::Field;
 use mesh::{Mesh, plane_neighbours, plane_polygon};
 use primitive::{
     capsule_capsule, plane_capsule, plane_cylinder, plane_sphere, sphere_capsule, sphere_sphere,
@@ -175,8 +177,7 @@ fn general(
     push: Push<'_>,
 ) {
     let (margin, [g1, g2]) = (pair.margin, pair.geom);
-    let meshes = [(pair.kind.0, g1), (pair.kind.1, g2)]
-        .map(|(kind, g)| Mesh::of(m, g).filter(|_| kind == GeomType::Mesh));
+    let meshes = pair.geom.map(|g| Mesh::of(m, g));
     let [first, second] = [0, 1].map(|k| meshes[k].as_ref());
     if let (GeomType::Plane, Some(mesh)) = (pair.kind.0, second) {
         if m.revision.clips_faces() {
@@ -186,11 +187,21 @@ fn general(
         }
         return;
     }
-    let solid = |kind, shape, mesh| Solid { kind, shape, mesh };
-    let a = solid(pair.kind.0, a, first);
+    let solid = |kind, shape, mesh| Solid {
+        kind,
+        shape,
+        mesh,
+        prism: None,
+    };
     let b = solid(pair.kind.1, b, second);
+    if let Some(field) = Field::of(m, g1) {
+        let reach = (m.geom_rbound[g2], margin);
+        hfield::contacts(field, a, b, reach, m.revision, polytope, push);
+        return;
+    }
+    let a = solid(pair.kind.0, a, first);
     if m.opt.disables(Disable::MultiCcd) {
-        if let Some(touch) = convex::one(a, b, margin, m.revision, polytope) {
+        if let Some(touch) = convex::one(a, b, [0.5 * margin; 2], m.revision, polytope) {
             push(touch.hit(margin));
         }
     } else if m.revision.clips_faces() {

@@ -71,11 +71,12 @@ def models():
         "prism": corners((0.125 * math.cos(k * math.pi / 3), 0.125 * math.sin(k * math.pi / 3), z) for z in (-0.1, 0.1) for k in range(6)),
         "pebble": corners(pebble(40)),
     }
-    asset = "".join(f'<mesh name="{name}" inertia="shell" vertex="{vertices}"/>' for name, vertices in meshes.items())
 
     def with_meshes(first, second, world="", option=""):
         heavy = '<inertial pos="0 0 0" mass="1" diaginertia="1 1 1"/>'
         bodies = "".join(f"<body><freejoint/>{heavy}{geoms}</body>" for geoms in (first, second))
+        used = {name: vertices for name, vertices in meshes.items() if f'mesh="{name}"' in bodies}
+        asset = "".join(f'<mesh name="{name}" inertia="shell" vertex="{vertices}"/>' for name, vertices in used.items())
         return f"<mujoco>{option}<asset>{asset}</asset><worldbody>{world}{bodies}</worldbody></mujoco>"
 
     def mesh(name, more=""):
@@ -90,6 +91,13 @@ def models():
     yield "block-prism", with_meshes(mesh("block"), mesh("prism"))
     yield "block-prism-margin", with_meshes(mesh("block", ' margin=".01"'), mesh("prism", ' margin=".01" gap=".005"'))
     yield "block-prism-single", with_meshes(mesh("block"), mesh("prism"), option='<option><flag multiccd="disable"/></option>')
+    field = '<hfield name="field" nrow="5" ncol="6" size=".7 .6 .2 .1" elevation="{}"/>'
+    field = field.format(" ".join(f"{(7 * k * k + 3 * k) % 11}" for k in range(30)))
+    ground = '<geom type="hfield" hfield="field" pos="0 0 -.1" euler="5 10 20"{}/>'
+    for name, geom in [*SHAPES.items(), *((name, mesh(name)) for name in ("block", "pebble"))]:
+        for margin in ("", ' margin=".02" gap=".01"'):
+            text = with_meshes(beside, geom, ground.format(margin))
+            yield f"field-{name}{'-margin' if margin else ''}", text.replace("<worldbody>", f"<asset>{field}</asset><worldbody>")
     yield "capsule-floor", two(beside, CAPSULE, floor.format("0 0 0"))
     yield "capsule-slope", two(beside, CAPSULE, floor.format("30 20 10"))
 

@@ -73,9 +73,16 @@ pub fn mjcf() -> Vec<Vec<u8>> {
         <body pos="0 0 0.4" euler="10 20 30"><joint type="slide" limited="true" range="-1 1"/>
         <inertial pos="0 0 0" mass="1" fullinertia="1 1 1 0.1 0 0"/><geom type="capsule" fromto="0 0 0 0.2 0 0" size="0.05"/></body>
         </worldbody><contact><exclude body1="world" body2="world"/></contact></mujoco>"#;
+    const MESHES: &str = r#"<mujoco><default><mesh inertia="exact"/></default><asset>
+        <mesh name="m" vertex="0 0 0 1 0 0 1 1 0 0 1 0 .2 .1 1 .9 .1 1 .9 .8 1 .1 .9 1" scale=".1 .1 -.1" maxhullvert="6"/>
+        <mesh name="n" vertex="0 0 0 1 0 0 0 1 0 0 0 1" face="0 2 1 0 1 3 0 3 2 1 2 3" refpos=".1 .2 .3" refquat="1 0 1 0"
+        inertia="legacy" normal="0 0 1 0 0 1 0 0 1 0 0 1" texcoord="0 0 1 0 0 1 1 1" smoothnormal="true"/></asset><worldbody>
+        <geom type="plane" size="0 0 1"/><body pos="0 0 .1"><freejoint/><geom type="mesh" mesh="m"/></body>
+        <body pos="0 0 .3"><freejoint/><geom type="mesh" mesh="n"/><geom type="capsule" mesh="n" fitscale=".5"/></body>
+        </worldbody></mujoco>"#;
     let texts = gym::mujoco::models().map(|(_, text)| text);
     texts
-        .chain([SMALL])
+        .chain([SMALL, MESHES])
         .map(|text| text.as_bytes().to_vec())
         .collect()
 }

@@ -1,6 +1,6 @@
 """Compares random models with libmujoco: `random_models.py [SEED [NUMBER]]`.
 
-Each model has bodies with every kind of joint and shape, sites, tendons, actuators, equality constraints, contact pairs and sensors. Chance
+Each model has bodies with every kind of joint and shape (meshes too, with vertices in the text), sites, tendons, actuators, equality constraints, contact pairs and sensors. Chance
 decides which attributes an element has. For each model, libmujoco and the engine here take the same steps with random controls, in the
 versions that the installed MuJoCo and the engine have in common. Prints the models that the engine refuses, by reason, and those whose states
 differ, with the largest difference of a velocity or position; fails if there are any. The exceptions are in docs/reproducibility.md.
@@ -34,7 +34,7 @@ class Writer:
 
     def __init__(self, rng):
         self.rng = rng
-        self.joints, self.geoms, self.bodies, self.tendons = [], [], 0, 0
+        self.joints, self.geoms, self.bodies, self.tendons, self.meshes = [], [], 0, 0, 0
 
     def number(self, low, high):
         return f"{self.rng.uniform(low, high):.4g}"
@@ -69,8 +69,36 @@ class Writer:
         name = self.one_of(*ways)
         return {name: ways[name]}
 
+    def mesh(self):
+        """A mesh from points: anywhere, of a lattice (with large faces), or around a cylinder."""
+        count, kind = self.rng.randint(4, 30), self.rng.randint(3)
+        points = self.rng.uniform(-0.2, 0.2, (count, 3))
+        if kind == 1:
+            corners = [[x, y, z] for x in (-0.1, 0.1) for y in (-0.15, 0.15) for z in (-0.05, 0.2)]
+            points = np.concatenate([corners, np.round(points * 10) / 20])
+        if kind == 2:
+            angles = np.arange(count) * 2 * np.pi / count
+            points = np.concatenate([np.stack([np.cos(angles), np.sin(angles), 0 * angles + z], 1) for z in (-1, 1)]) * 0.15
+        attributes = self.some(
+            scale=lambda: self.numbers(3, 0.5, 1.5),
+            refpos=lambda: self.numbers(3, -0.1, 0.1),
+            refquat=lambda: self.numbers(4, -1, 1),
+            inertia=lambda: self.one_of("convex", "legacy", "exact", "shell"),
+            maxhullvert=lambda: self.one_of("4", "8"),
+            smoothnormal="true",
+        )
+        self.meshes += 1
+        vertices = " ".join(f"{x:.4g}" for x in points.ravel())
+        return f'<mesh name="m{self.meshes - 1}" vertex="{vertices}"{attributes}/>'
+
     def geom(self, name):
         shape = self.one_of(*SIZES)
+        if self.meshes and self.chance(0.6):
+            mesh = f' mesh="m{self.rng.randint(self.meshes)}"'
+            # a shape is fitted to the mesh
+            shape = f'"{shape}" fitscale="{self.number(0.5, 1)}"{mesh}' if self.chance(0.2) else f'"mesh"{mesh}'
+        else:
+            shape = f'"{shape}" size="{self.numbers(SIZES[shape], 0.03, 0.2)}"'
         attributes = self.some(
             pos=lambda: self.numbers(3, -0.2, 0.2),
             density=lambda: self.number(100, 2000),
@@ -86,7 +114,7 @@ class Writer:
             **self.softness(),
             **self.orientation(),
         )
-        return f'<geom name="{name}" type="{shape}" size="{self.numbers(SIZES[shape], 0.03, 0.2)}"{attributes}/>'
+        return f'<geom name="{name}" type={shape}{attributes}/>'
 
     def joint(self):
         kind = self.one_of("hinge", "slide", "hinge", "slide", "ball")
@@ -219,7 +247,8 @@ class Writer:
         body, geom = f"b{self.rng.randint(self.bodies)}", self.geoms[self.rng.randint(len(self.geoms))][0]
         frame = self.one_of(*FRAME_SENSORS)
         kinds = [
-            f'<{self.one_of(*SITE_SENSORS)} site="s{self.rng.randint(2)}"{cutoff}/>',
+            # range finders do not see meshes
+            f'<{self.one_of(*SITE_SENSORS[: 5 if self.meshes else 6])} site="s{self.rng.randint(2)}"{cutoff}/>',
             f'<{frame} objtype="geom" objname="{geom}"/>',
             f'<{frame} objtype="body" objname="{body}"/>',
             f'<{self.one_of(*BODY_SENSORS)} body="{body}"{cutoff}/>',
@@ -250,6 +279,8 @@ class Writer:
         flags = ("frictionloss", "limit", "contact", "spring", "damper", "gravity", "clampctrl", "filterparent", "actuation", "multiccd")
         flag = self.some(**{name: lambda: self.one_of("enable", "disable") for name in flags}) if self.chance(0.2) else ""
         compiler = self.some(boundmass=lambda: self.number(0, 0.5), eulerseq=lambda: self.one_of("zyx", "XYZ"), angle="radian")
+        compiler += self.some(fitaabb="true")
+        assets = "".join(self.mesh() for _ in range(self.one_of(0, 1, 3)))
         defaults, world = self.defaults(), self.body() + self.body()
         tendons = "".join(self.tendon() for _ in range(self.rng.randint(3)))
         number = self.rng.randint(4)
@@ -258,7 +289,7 @@ class Writer:
         pairs = "".join(self.pair() for _ in range(self.rng.randint(3)))
         sensors = "".join(self.sensor(number) for _ in range(self.rng.randint(5)))
         return (
-            f"<mujoco><compiler{compiler}/><option{option}><flag{flag}/></option>{defaults}"
+            f"<mujoco><compiler{compiler}/><option{option}><flag{flag}/></option>{defaults}<asset>{assets}</asset>"
             f'<worldbody>{self.geom("w")}{world}</worldbody><tendon>{tendons}</tendon><actuator>{actuators}</actuator>'
             f"<equality>{equalities}</equality><contact>{pairs}</contact><sensor>{sensors}</sensor></mujoco>"
         )

@@ -2,7 +2,6 @@
 
 use std::collections::HashSet;
 use std::mem::take;
-use std::sync::Arc;
 
 use super::body::address;
 use super::mesh::{Format, Mesh, Source};
@@ -16,7 +15,7 @@ pub(super) fn add_meshes(m: &mut CompiledModel, spec: &Spec) -> Result<Vec<Mesh>
     let colliding = colliding(spec);
     let (mut left, mut names) = (MAX_ASSETS, HashSet::new());
     let mut meshes = Vec::with_capacity(spec.meshes.len());
-    let all = Arc::make_mut(&mut m.meshes);
+    let all = &mut *m.meshes;
     for mesh in &spec.meshes {
         let (place, name) = (&mesh.place, &*mesh.name);
         if !names.insert(name) {

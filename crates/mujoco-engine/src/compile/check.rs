@@ -19,6 +19,7 @@ impl Model {
     pub fn new(mut compiled: CompiledModel) -> Result<Self> {
         compiled.complete();
         check(&compiled)?;
+        compiled.meshes.mark_checked();
         Self::planned(compiled)
     }
 }

@@ -5,7 +5,8 @@ use crate::math::dense::dot_slices;
 use crate::math::spatial::{
     EPS, InTurn, MINVAL, Order, Pairwise, add, cross, norm, rotate, rotate_back, sub,
 };
-use crate::model::{CompiledModel, EqualityType, GeomType, JointType, ObjectType};
+use crate::mjcf::orientation::IDENTITY;
+use crate::model::{CompiledModel, EqualityType, GeomType, JointType, ObjectType, same, same_quat};
 use crate::physics::{com_pos, crb, factor_m, kinematics, solve_m, tendon, transmission};
 use crate::{Data, Model, Result};
 
@@ -104,13 +105,13 @@ fn add_subtree_masses(m: &mut CompiledModel) {
 }
 
 /// Sets `body_simple`, which marks bodies whose part of the inertia matrix is diagonal. Such bodies
-/// have no children, a parent that is fixed in the world, an inertial frame equal to the body's,
-/// and joints along coordinate axes: slides, then at most one hinge.
+/// have no children, a parent that is fixed in the world, an inertial frame equal to the body's (up
+/// to 1e-6, as in MuJoCo), and joints along coordinate axes: slides, then at most one hinge.
 pub(crate) fn mark_simple(m: &mut CompiledModel) {
     m.body_simple.clear();
     for b in 0..m.nbody() {
-        let [_, x, y, z] = m.body_iquat[b];
-        let own_frame = norm(m.body_ipos[b]) < EPS && norm([x, y, z]) < EPS;
+        let origin = |pos: &[f64; 3]| same(pos, &[0.0; 3]);
+        let own_frame = origin(&m.body_ipos[b]) && same_quat(&m.body_iquat[b], &IDENTITY);
         let parent = m.body_parentid[b];
         let rooted = parent == 0 || (m.body_parentid[parent] == 0 && m.body_jntnum[parent] == 0);
         m.body_simple.push(u8::from(own_frame && rooted));
@@ -119,7 +120,7 @@ pub(crate) fn mark_simple(m: &mut CompiledModel) {
         let first = usize::try_from(m.body_jntadr[b]).unwrap_or(0);
         for j in first..first + m.body_jntnum[b] {
             let aligned = m.jnt_axis[j].iter().filter(|x| x.abs() > EPS).count() == 1;
-            if turns || norm(m.jnt_pos[j]) >= EPS || !aligned {
+            if turns || !origin(&m.jnt_pos[j]) || (m.jnt_type[j].is_scalar() && !aligned) {
                 m.body_simple[b] = 0;
             }
             turns |= matches!(m.jnt_type[j], JointType::Hinge | JointType::Ball);

@@ -3,7 +3,6 @@
 
 use std::collections::HashSet;
 use std::io::Cursor;
-use std::sync::Arc;
 
 use png::{Decoder, Limits, Transformations};
 
@@ -25,7 +24,7 @@ type Grid = (usize, usize, Vec<f32>);
 /// Adds the height fields.
 pub(super) fn add_hfields(m: &mut CompiledModel, spec: &Spec) -> Result<()> {
     let (mut left, mut names) = (MAX_ASSETS, HashSet::new());
-    let all = Arc::make_mut(&mut m.hfields);
+    let all = &mut *m.hfields;
     for field in &spec.hfields {
         let (place, name) = (&field.place, &*field.name);
         if !names.insert(name) {

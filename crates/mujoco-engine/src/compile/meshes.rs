@@ -11,6 +11,9 @@ use crate::{Error, Result};
 
 pub(super) fn check(m: &CompiledModel) -> Result<()> {
     geoms(m)?;
+    if m.meshes.is_checked() {
+        return Ok(());
+    }
     lengths(&m.meshes)?;
     numbers(&m.meshes)?;
     lists(&m.meshes)

@@ -24,8 +24,6 @@ mod shared;
 mod softness;
 mod types;
 
-use std::sync::Arc;
-
 use serde::{Deserialize, Serialize};
 
 pub use checked::Model;
@@ -42,6 +40,7 @@ pub(crate) use plan::{Bounds, Limit, Plan};
 pub use revision::Revision;
 pub use sensors::SensorType;
 pub(crate) use sensors::{About, Stage};
+pub use shared::Shared;
 pub(crate) use softness::{SOLIMP, SOLREF, Softness};
 pub(crate) use types::padded;
 pub use types::{Disable, Fluid, Names, Options, Parameters, Statistics};
@@ -227,11 +226,11 @@ pub struct CompiledModel {
     pub geom_aabb: Vec<[f64; 6]>,
 
     /// The meshes; copies of the model share them.
-    #[serde(flatten, with = "shared")]
-    pub meshes: Arc<Meshes>,
+    #[serde(flatten)]
+    pub meshes: Shared<Meshes>,
     /// The height fields; copies of the model share them.
-    #[serde(flatten, with = "shared")]
-    pub hfields: Arc<Hfields>,
+    #[serde(flatten)]
+    pub hfields: Shared<Hfields>,
 
     /// The site's body.
     pub site_bodyid: Vec<usize>,

@@ -244,3 +244,33 @@ fn bodies_of_the_world_are_simple_by_their_joints() {
         );
     }
 }
+
+/// A body is simple if its inertia is at its frame, and its joints along its axes: positions and
+/// orientations up to 1e-6, directions up to 1e-14. These are the answers of libmujoco 3.12 and 4.0.
+#[test]
+fn simple_bodies_may_be_off_by_rounding() {
+    let simple = |joint: &str, inertial: &str| {
+        let text = format!(
+            "<mujoco><worldbody><body><joint {joint}/><inertial {inertial} mass=\"1\" diaginertia=\"1 1 1\"/></body></worldbody></mujoco>"
+        );
+        Model::from_xml(&text).unwrap().body_simple[1]
+    };
+    for (pos, quat, expected) in [
+        ("1e-9 0 0", "1 0 0 0", 1),
+        ("8e-7 8e-7 8e-7", "1 0 0 0", 1),
+        ("2e-6 0 0", "1 0 0 0", 0),
+        ("0 0 0", "-1 1e-8 0 0", 1),
+        ("0 0 0", "1 1e-5 0 0", 0),
+    ] {
+        let inertial = format!("pos=\"{pos}\" quat=\"{quat}\"");
+        assert_eq!(simple("type=\"free\"", &inertial), expected, "{inertial}");
+    }
+    for (axis, pos, expected) in [
+        ("1 1e-9 0", "0 0 0", 0),
+        ("1 0 0", "1e-7 0 0", 1),
+        ("1 0 0", "1e-5 0 0", 0),
+    ] {
+        let joint = format!("axis=\"{axis}\" pos=\"{pos}\"");
+        assert_eq!(simple(&joint, "pos=\"0 0 0\""), expected, "{joint}");
+    }
+}

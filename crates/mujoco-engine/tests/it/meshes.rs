@@ -1,13 +1,7 @@
 //! Meshes in compiled models.
 
-use std::sync::Arc;
-
-use mujoco_engine::model::{GeomType, Meshes};
+use mujoco_engine::model::GeomType;
 use mujoco_engine::{CompiledModel, Model};
-
-fn meshes(m: &mut CompiledModel) -> &mut Meshes {
-    Arc::make_mut(&mut m.meshes)
-}
 
 /// A ball of the shape of a tetrahedron, with a convex hull.
 fn tetrahedron() -> CompiledModel {
@@ -18,7 +12,7 @@ fn tetrahedron() -> CompiledModel {
     m.geom_type[0] = GeomType::Mesh;
     m.geom_dataid = vec![0, -1];
     m.geom_aabb = vec![[0.25, 0.25, 0.25, 0.25, 0.25, 0.25], [0.0; 6]];
-    let mesh = meshes(&mut m);
+    let mesh = &mut *m.meshes;
     mesh.mesh_vertadr = vec![0];
     mesh.mesh_vertnum = vec![4];
     mesh.mesh_vert = vec![[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 0.1]];
@@ -83,6 +77,25 @@ fn no_meshes_are_not_stored() {
     }
 }
 
+/// Copies of a model share its meshes until one changes them; the change is checked.
+#[test]
+fn meshes_are_checked_when_they_change() {
+    let mut m = Model::new(tetrahedron()).unwrap();
+    let same = CompiledModel::clone(&m);
+    assert!(std::ptr::eq(&*m.meshes, &*same.meshes));
+    m.change(|m| m.meshes.mesh_vert[3][2] = 0.5).unwrap();
+    assert_eq!(
+        (same.meshes.mesh_vert[3][2], m.meshes.mesh_vert[3][2]),
+        (0.1, 0.5)
+    );
+    let error = m.change(|m| m.meshes.mesh_face[0][0] = 4).unwrap_err();
+    assert!(
+        error.to_string().contains("mesh_face has the number 4"),
+        "{error}"
+    );
+    assert_eq!(m.meshes.mesh_face[0][0], 1);
+}
+
 /// Each wrong number is an error that names its array.
 #[test]
 fn wrong_meshes_are_refused() {
@@ -94,71 +107,67 @@ fn wrong_meshes_are_refused() {
         ("geom_aabb has 1", |m| m.geom_aabb.truncate(1)),
         ("geom_aabb[0]", |m| m.geom_aabb[0][4] = -1.0),
         ("geom_aabb", |m| m.geom_aabb[0][1] = f64::NAN),
-        ("mesh_vert has 4", |m| meshes(m).mesh_vertnum[0] = 0),
-        ("mesh_vertadr[0] is 1", |m| meshes(m).mesh_vertadr[0] = 1),
+        ("mesh_vert has 4", |m| m.meshes.mesh_vertnum[0] = 0),
+        ("mesh_vertadr[0] is 1", |m| m.meshes.mesh_vertadr[0] = 1),
         ("mesh_vertnum[0] is", |m| {
-            meshes(m).mesh_vertnum[0] = usize::MAX;
+            m.meshes.mesh_vertnum[0] = usize::MAX;
         }),
-        ("mesh_vertnum has 2", |m| meshes(m).mesh_vertnum.push(1)),
+        ("mesh_vertnum has 2", |m| m.meshes.mesh_vertnum.push(1)),
         ("mesh_vert is not finite", |m| {
-            meshes(m).mesh_vert[2][1] = f32::NAN;
+            m.meshes.mesh_vert[2][1] = f32::NAN;
         }),
         ("mesh_normal is not finite", |m| {
-            meshes(m).mesh_normal[0][0] = f32::INFINITY;
+            m.meshes.mesh_normal[0][0] = f32::INFINITY;
         }),
-        ("mesh_normalnum[0] is 2", |m| {
-            meshes(m).mesh_normalnum[0] = 2;
-        }),
-        ("mesh_texcoordadr[0]", |m| {
-            meshes(m).mesh_texcoordadr[0] = -1;
-        }),
+        ("mesh_normalnum[0] is 2", |m| m.meshes.mesh_normalnum[0] = 2),
+        ("mesh_texcoordadr[0]", |m| m.meshes.mesh_texcoordadr[0] = -1),
         ("mesh_texcoordnum[0]", |m| {
-            meshes(m).mesh_texcoordnum[0] = usize::MAX;
+            m.meshes.mesh_texcoordnum[0] = usize::MAX;
         }),
         ("mesh_texcoord has 3", |m| {
-            meshes(m).mesh_texcoord.push([0.0; 2]);
+            m.meshes.mesh_texcoord.push([0.0; 2]);
         }),
         ("mesh_face has the number 4", |m| {
-            meshes(m).mesh_face[3][2] = 4;
+            m.meshes.mesh_face[3][2] = 4;
         }),
         ("mesh_facenormal has the number 1", |m| {
-            meshes(m).mesh_facenormal[0][0] = 1;
+            m.meshes.mesh_facenormal[0][0] = 1;
         }),
         ("mesh_facetexcoord has the number 2", |m| {
-            meshes(m).mesh_facetexcoord[0][0] = 2;
+            m.meshes.mesh_facetexcoord[0][0] = 2;
         }),
         ("mesh_facenormal has 3", |m| {
-            meshes(m).mesh_facenormal.truncate(3);
+            m.meshes.mesh_facenormal.truncate(3);
         }),
-        ("mesh_graphadr[0] is 2", |m| meshes(m).mesh_graphadr[0] = 2),
-        ("mesh_graph has 39", |m| meshes(m).mesh_graph.push(0)),
+        ("mesh_graphadr[0] is 2", |m| m.meshes.mesh_graphadr[0] = 2),
+        ("mesh_graph has 39", |m| m.meshes.mesh_graph.push(0)),
         ("mesh_graph of mesh 0: it ends", |m| {
-            meshes(m).mesh_graph.truncate(36);
+            m.meshes.mesh_graph.truncate(36);
         }),
         ("mesh_graph of mesh 0: it ends", |m| {
-            meshes(m).mesh_graph[1] = i32::MAX;
+            m.meshes.mesh_graph[1] = i32::MAX;
         }),
-        ("no counts", |m| meshes(m).mesh_graph[0] = -1),
-        ("vertex 1 begin at 5", |m| meshes(m).mesh_graph[3] = 5),
-        ("point 4", |m| meshes(m).mesh_graph[9] = 4),
-        ("neighbour 4", |m| meshes(m).mesh_graph[10] = 4),
-        ("neighbour 0", |m| meshes(m).mesh_graph[10] = 0),
-        ("in one list only", |m| meshes(m).mesh_graph[10] = 2),
-        ("do not end", |m| meshes(m).mesh_graph[25] = 1),
+        ("no counts", |m| m.meshes.mesh_graph[0] = -1),
+        ("vertex 1 begin at 5", |m| m.meshes.mesh_graph[3] = 5),
+        ("point 4", |m| m.meshes.mesh_graph[9] = 4),
+        ("neighbour 4", |m| m.meshes.mesh_graph[10] = 4),
+        ("neighbour 0", |m| m.meshes.mesh_graph[10] = 0),
+        ("in one list only", |m| m.meshes.mesh_graph[10] = 2),
+        ("do not end", |m| m.meshes.mesh_graph[25] = 1),
         ("mesh_extrema has the number 4", |m| {
-            meshes(m).mesh_extrema[0][5] = 4;
+            m.meshes.mesh_extrema[0][5] = 4;
         }),
         ("mesh_polynormal[1]", |m| {
-            meshes(m).mesh_polynormal[1] = [0.5; 3];
+            m.meshes.mesh_polynormal[1] = [0.5; 3];
         }),
-        ("mesh_polyvertadr[1]", |m| meshes(m).mesh_polyvertadr[1] = 2),
+        ("mesh_polyvertadr[1]", |m| m.meshes.mesh_polyvertadr[1] = 2),
         ("mesh_polyvert has the number 9", |m| {
-            meshes(m).mesh_polyvert[4] = 9;
+            m.meshes.mesh_polyvert[4] = 9;
         }),
         ("mesh_polymap has the number 4", |m| {
-            meshes(m).mesh_polymap[4] = 4;
+            m.meshes.mesh_polymap[4] = 4;
         }),
-        ("mesh_polymap of mesh 0", |m| meshes(m).mesh_polymap[5] = 2),
+        ("mesh_polymap of mesh 0", |m| m.meshes.mesh_polymap[5] = 2),
     ];
     for (message, change) in wrong {
         let mut m = tetrahedron();
@@ -167,7 +176,7 @@ fn wrong_meshes_are_refused() {
         assert!(error.contains(message), "{message}: {error}");
     }
     let mut m = tetrahedron();
-    meshes(&mut m).mesh_quat[0][0] = 2.0;
+    m.meshes.mesh_quat[0][0] = 2.0;
     let error = Model::new(m).unwrap_err().to_string();
     assert!(error.contains("mesh_quat[0] is not of length 1"), "{error}");
 }
@@ -176,7 +185,7 @@ fn wrong_meshes_are_refused() {
 #[test]
 fn meshes_may_lack_hulls_and_textures() {
     let mut m = tetrahedron();
-    let mesh = meshes(&mut m);
+    let mesh = &mut *m.meshes;
     mesh.mesh_graphadr[0] = -1;
     mesh.mesh_graph.clear();
     mesh.mesh_texcoordadr[0] = -1;
@@ -185,6 +194,6 @@ fn meshes_may_lack_hulls_and_textures() {
     mesh.mesh_facetexcoord = vec![[0; 3]; 4];
     let error = Model::new(m.clone()).unwrap_err().to_string();
     assert!(error.contains("mesh_extrema has the number 3"), "{error}");
-    meshes(&mut m).mesh_extrema[0] = [0; 27];
+    m.meshes.mesh_extrema[0] = [0; 27];
     Model::new(m).unwrap();
 }

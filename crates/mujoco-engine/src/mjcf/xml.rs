@@ -332,14 +332,18 @@ impl<'a, 'input> Element<'a, 'input> {
         numbers.collect::<Result<_>>().map(Some)
     }
 
-    /// Reads any number of numbers of a kind.
-    pub(crate) fn list_of<T: FromStr>(&mut self, name: &'static str) -> Result<Option<Vec<T>>> {
+    /// Reads any number of numbers of a kind, such as "a whole number".
+    pub(crate) fn list_of<T: FromStr>(
+        &mut self,
+        name: &'static str,
+        kind: &str,
+    ) -> Result<Option<Vec<T>>> {
         let Some(attribute) = self.take(name) else {
             return Ok(None);
         };
         let words = attribute.value().split_ascii_whitespace();
         let numbers = words.map(|word| {
-            let wrong = |_| self.at(&attribute, format!("{word:?} is not such a number"));
+            let wrong = |_| self.at(&attribute, format!("{word:?} is not {kind}"));
             word.parse().map_err(wrong)
         });
         numbers.collect::<Result<_>>().map(Some)

@@ -40,7 +40,7 @@ impl Hfield {
         for (name, count) in [("nrow", &mut field.rows), ("ncol", &mut field.columns)] {
             *count = element.integer::<usize>(name)?.unwrap_or_default();
         }
-        let given = element.list_of::<f32>("elevation")?;
+        let given = element.list_of::<f32>("elevation", "a number")?;
         let points = field.rows.saturating_mul(field.columns);
         if field.path.is_some() {
             if points > 0 || given.is_some() {

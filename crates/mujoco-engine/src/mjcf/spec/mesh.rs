@@ -86,9 +86,11 @@ impl Mesh {
             ("normal", &mut self.normals),
             ("texcoord", &mut self.texture),
         ] {
-            *list = element.list_of(name)?.unwrap_or_default();
+            *list = element.list_of(name, "a number")?.unwrap_or_default();
         }
-        self.faces = element.list_of("face")?.unwrap_or_default();
+        self.faces = element
+            .list_of("face", "a whole number")?
+            .unwrap_or_default();
         replace(&mut self.options.position, element.numbers("refpos")?);
         replace(&mut self.options.orientation, element.numbers("refquat")?);
         replace(&mut self.options.smooth, element.flag("smoothnormal")?);

@@ -1,24 +1,28 @@
 //! Bodies: ids, frames, masses.
 
-use super::inertia::{self, Inertia};
+use super::fuse::Kept;
+use super::inertia::{self, Inertia, MINVAL};
 use super::mesh::Mesh;
 use super::{geom, joint};
 use crate::Result;
-use crate::math::spatial::EPS;
+use crate::math::spatial::{EPS, InTurn, Order, rotate_back};
 use crate::mjcf::MOST;
-use crate::mjcf::orientation::within;
-use crate::mjcf::spec::{Body, Inertial, Moments, Spec};
-use crate::model::CompiledModel;
+use crate::mjcf::orientation::{IDENTITY, within};
+use crate::mjcf::spec::{Body, Frame, Inertial, Moments, Spec};
+use crate::model::{CompiledModel, JointType};
 
-/// Adds a body with its joints, geoms and sites; `meshes` are those of the model.
+/// Adds a body and its parts; `meshes` are those of the model. Returns the text's frame of the body in
+/// the compiled one, if `align` moved it.
 pub(super) fn add_body(
     m: &mut CompiledModel,
     spec: &Spec,
     meshes: &[Mesh],
     id: usize,
-    body: &Body,
-) -> Result<()> {
-    let parent = body.parent;
+    kept: &Kept<'_>,
+) -> Result<Option<Frame>> {
+    let Kept {
+        body, parent, pose, ..
+    } = *kept;
     m.names.body.push(body.name.clone());
     m.body_parentid.push(parent);
     m.body_rootid.push(if id == 0 || parent == 0 {
@@ -32,10 +36,8 @@ pub(super) fn add_body(
         } else {
             m.body_weldid[parent]
         });
-    let own = (body.pos, body.orientation.resolve(&spec.compiler));
-    let (pos, quat) = within(body.frame, own);
-    m.body_pos.push(pos);
-    m.body_quat.push(quat);
+    m.body_pos.push(pose.0);
+    m.body_quat.push(pose.1);
     m.body_gravcomp.push(body.gravcomp);
     m.body_mocapid.push(if body.mocap {
         if parent != 0 || !body.joints.is_empty() {
@@ -51,7 +53,7 @@ pub(super) fn add_body(
     m.body_jntnum.push(body.joints.len());
     m.body_jntadr.push(address(m.njnt(), body.joints.len()));
     for joint in &body.joints {
-        joint::add_joint(m, spec, id, body, joint)?;
+        joint::add_joint(m, spec, (id, parent), body, joint)?;
     }
     m.body_dofnum.push(m.nv() - first_dof);
     m.body_dofadr.push(address(first_dof, m.nv() - first_dof));
@@ -63,33 +65,116 @@ pub(super) fn add_body(
     m.body_treeid
         .push(usize::try_from(last_dof).map_or(-1, |dof| m.dof_treeid[dof] as i32));
 
-    m.body_geomnum.push(body.geoms.len());
-    m.body_geomadr.push(address(m.ngeom(), body.geoms.len()));
-    let mut parts = Vec::with_capacity(body.geoms.len());
-    let [first, last] = spec.compiler.inertia_groups;
-    // the world has no mass
-    let weighs = id > 0 && from_geoms(body, spec);
-    for geom in &body.geoms {
-        let part = geom::add_geom(m, spec, meshes, id, geom)?;
-        if weighs && (first..=last).contains(&geom.group) {
-            parts.push(part);
+    let first_geom = m.ngeom();
+    let mut parts = add_geoms(m, spec, meshes, id, body)?;
+    let mut inertia = inertia_of(body, id == 0, spec, &parts)?;
+    for &(fused, pose) in &kept.fused {
+        let first = m.ngeom();
+        let fused_parts = add_geoms(m, spec, meshes, id, fused)?;
+        for g in first..m.ngeom() {
+            (m.geom_pos[g], m.geom_quat[g]) = within(Some(pose), (m.geom_pos[g], m.geom_quat[g]));
         }
+        let part = inertia_of(fused, false, spec, &fused_parts)?;
+        if id > 0 && part.mass >= MINVAL {
+            inertia = inertia::accumulate(&inertia, &part, pose, spec.revision);
+        }
+        parts.extend(fused_parts.into_iter().map(|part| {
+            let (pos, quat) = within(Some(pose), (part.pos, part.quat));
+            Inertia { pos, quat, ..part }
+        }));
     }
-    let inertia = inertia_of(body, id, spec, &parts)?;
+    let all = || {
+        [body]
+            .into_iter()
+            .chain(kept.fused.iter().map(|(body, _)| *body))
+    };
+    if spec.revision.fuses_first()
+        && id > 0
+        && !kept.fused.is_empty()
+        && all().all(|body| from_geoms(body, spec))
+    {
+        inertia = inertia_of(body, false, spec, &parts)?;
+    }
+    let count = m.ngeom() - first_geom;
+    m.body_geomnum.push(count);
+    m.body_geomadr.push(address(first_geom, count));
+    let aligned = aligns(spec, body).then(|| align(m, id, &mut inertia, first_geom));
     m.body_mass.push(inertia.mass);
     m.body_ipos.push(inertia.pos);
     m.body_iquat.push(inertia.quat);
     m.body_inertia.push(inertia.moments);
 
     for site in &body.sites {
-        geom::add_site(m, spec, id, site)?;
+        geom::add_site(m, spec, id, site, aligned)?;
+    }
+    for &(fused, pose) in &kept.fused {
+        for site in &fused.sites {
+            geom::add_site(m, spec, id, site, Some(pose))?;
+        }
     }
     if m.nbody() > MOST || m.ngeom() > MOST || m.nv() > MOST {
         let reason =
             format!("more than {MOST} bodies, geoms or degrees of freedom are not supported");
         return Err(body.place.error(reason));
     }
-    Ok(())
+    Ok(aligned)
+}
+
+/// Adds the geoms of `body` to the compiled body `id`; returns those that have mass.
+fn add_geoms(
+    m: &mut CompiledModel,
+    spec: &Spec,
+    meshes: &[Mesh],
+    id: usize,
+    body: &Body,
+) -> Result<Vec<Inertia>> {
+    let mut parts = Vec::with_capacity(body.geoms.len());
+    let [first, last] = spec.compiler.inertia_groups;
+    // the world has no mass
+    let weighs = !std::ptr::eq(body, &raw const spec.bodies[0]) && from_geoms(body, spec);
+    for geom in &body.geoms {
+        let part = geom::add_geom(m, spec, meshes, id, geom)?;
+        if weighs && (first..=last).contains(&geom.group) {
+            parts.push(part);
+        }
+    }
+    Ok(parts)
+}
+
+/// Whether the frame of a body becomes that of its inertia: that of a body with a free joint and
+/// without children, if the joint or the compiler says so.
+fn aligns(spec: &Spec, body: &Body) -> bool {
+    let [joint] = &body.joints[..] else {
+        return false;
+    };
+    let asked = joint.align.unwrap_or(spec.compiler.align_free);
+    let is_parent = |id: usize| std::ptr::eq(body, &raw const spec.bodies[id]);
+    joint.kind == JointType::Free
+        && asked
+        && !spec.bodies[1..].iter().any(|body| is_parent(body.parent))
+}
+
+/// Moves the frame of the body `id` to its inertia, and its geoms accordingly; returns the old frame
+/// in the new one.
+fn align(m: &mut CompiledModel, id: usize, inertia: &mut Inertia, first_geom: usize) -> Frame {
+    let (pos, quat) = within(
+        Some((m.body_pos[id], m.body_quat[id])),
+        (inertia.pos, inertia.quat),
+    );
+    (m.body_pos[id], m.body_quat[id]) = (pos, quat);
+    for qpos in [&mut m.qpos0, &mut m.qpos_spring] {
+        let first = qpos.len() - 7;
+        qpos[first..]
+            .copy_from_slice(&[pos[0], pos[1], pos[2], quat[0], quat[1], quat[2], quat[3]]);
+    }
+    let [w, x, y, z] = inertia.quat;
+    let back = rotate_back(&InTurn::quat_to_mat(inertia.quat), inertia.pos);
+    let old = (back.map(|x| -x), [w, -x, -y, -z]);
+    (inertia.pos, inertia.quat) = ([0.0; 3], IDENTITY);
+    for g in first_geom..m.ngeom() {
+        (m.geom_pos[g], m.geom_quat[g]) = within(Some(old), (m.geom_pos[g], m.geom_quat[g]));
+    }
+    old
 }
 
 /// The id of the first of `count` elements, if the next free id is `next`; -1 if `count` is 0.
@@ -106,7 +191,7 @@ fn from_geoms(body: &Body, spec: &Spec) -> bool {
 /// The inertia of a body: from its geoms `parts`, or from its element `inertial`.
 ///
 /// Without both, the inertial frame is the body's frame in its parent, as in MuJoCo.
-fn inertia_of(body: &Body, id: usize, spec: &Spec, parts: &[Inertia]) -> Result<Inertia> {
+fn inertia_of(body: &Body, world: bool, spec: &Spec, parts: &[Inertia]) -> Result<Inertia> {
     let compiler = &spec.compiler;
     let heavy = parts.iter().filter(|part| part.mass > EPS);
     let heavy: Vec<Inertia> = heavy.copied().collect();
@@ -127,7 +212,7 @@ fn inertia_of(body: &Body, id: usize, spec: &Spec, parts: &[Inertia]) -> Result<
             )
         }
     };
-    if id > 0 {
+    if !world {
         inertia.mass = inertia.mass.max(compiler.bound_mass);
         inertia.moments = inertia.moments.map(|x| x.max(compiler.bound_inertia));
     }

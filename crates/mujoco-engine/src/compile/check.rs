@@ -120,7 +120,11 @@ fn lengths(m: &CompiledModel) -> Result<()> {
         geom_rgba geom_matid geom_fluid
     );
     same_length!(m, m.nsite(), site_pos site_quat site_type site_size site_rgba);
-    same_length!(m, m.cam_bodyid.len(), cam_mode cam_targetbodyid cam_pos cam_quat cam_fovy);
+    same_length!(
+        m, m.cam_bodyid.len(),
+        cam_mode cam_targetbodyid cam_pos cam_quat cam_fovy cam_projection cam_resolution cam_sensorsize
+        cam_intrinsic
+    );
     same_length!(
         m, m.nu(),
         actuator_trntype actuator_gear actuator_dyntype actuator_gaintype actuator_biastype
@@ -341,8 +345,9 @@ fn others(m: &CompiledModel) -> Result<()> {
         );
         let exists = usize::try_from(target).is_ok_and(|b| b < m.nbody());
         ensure!(
-            exists || target == -1 && m.cam_mode[i] < 3,
-            "cam_targetbodyid[{i}] is {target}, which the camera's mode cannot use"
+            exists || target == -1,
+            "cam_targetbodyid[{i}] is {target}, and there are {} bodies",
+            m.nbody()
         );
     }
     for k in 0..m.key_time.len() {

@@ -20,6 +20,7 @@ impl CompiledModel {
     pub(super) fn complete(&mut self) {
         let (nbody, njnt, nv, ngeom) = (self.nbody(), self.njnt(), self.nv(), self.ngeom());
         let (nu, ntendon, nkey) = (self.nu(), self.ntendon(), self.key_time.len());
+        let ncam = self.cam_bodyid.len();
         let (nwrap, neq) = (self.wrap_objid.len(), self.neq());
         let (one, nothing) = (Parameters(padded(&[1.0])), Parameters::default());
         let m = self;
@@ -33,6 +34,10 @@ impl CompiledModel {
             nv, SOLIMP => dof_solimp;
             ngeom, Fluid::default() => geom_fluid;
             ngeom, -1 => geom_dataid;
+            ncam, 0 => cam_projection;
+            ncam, [1; 2] => cam_resolution;
+            ncam, [0.0; 2] => cam_sensorsize;
+            ncam, [0.0; 4] => cam_intrinsic;
             nu, TransmissionType::Joint => actuator_trntype;
             nu, DynamicsType::None => actuator_dyntype;
             nu, GainType::Fixed => actuator_gaintype;

@@ -7,12 +7,13 @@ use super::mesh::Mesh;
 use crate::Result;
 use crate::math::spatial::{EPS, add};
 use crate::mjcf::orientation::{from_z, turned, unit, within};
-use crate::mjcf::spec::{Frame, Geom, Site, Spec};
+use crate::mjcf::spec::{Frame, Geom, Site, Spec, Wrap};
 use crate::mjcf::xml::Place;
 use crate::model::bounds::{Bounds, shape_box};
-use crate::model::{CompiledModel, Fluid, GeomType};
+use crate::model::{CompiledModel, Fluid, GeomType, ObjectType};
 
-/// Adds a geom; returns its mass, and its centre and axes in the body's frame.
+/// Adds a geom, unless `discardvisual` leaves it out; returns its mass, and its centre and axes in
+/// the body's frame.
 pub(super) fn add_geom(
     m: &mut CompiledModel,
     spec: &Spec,
@@ -87,6 +88,19 @@ pub(super) fn add_geom(
             found.ok_or_else(missing)? as i32
         }
     };
+    let inertia = Inertia {
+        mass,
+        pos,
+        quat,
+        moments: match surface {
+            Some(mesh) => mesh.moments(mass),
+            None => inertia::moments(*shape, mass, size, geom.shell),
+        },
+    };
+    let discards = spec.compiler.discard_visual;
+    if discards && is_visual(geom, spec) {
+        return Ok(inertia);
+    }
     m.names.geom.push(geom.name.clone());
     m.geom_type.push(*shape);
     m.geom_bodyid.push(body);
@@ -123,17 +137,27 @@ pub(super) fn add_geom(
     m.geom_margin.push(geom.margin);
     m.geom_gap.push(geom.gap);
     m.geom_rgba.push(single(geom.rgba));
-    m.geom_matid.push(material);
-    let moments = match surface {
-        Some(mesh) => mesh.moments(mass),
-        None => inertia::moments(*shape, mass, size, geom.shell),
-    };
-    Ok(Inertia {
-        mass,
-        pos,
-        quat,
-        moments,
-    })
+    m.geom_matid.push(if discards { -1 } else { material });
+    Ok(inertia)
+}
+
+/// Whether a geom has no contacts, and no other element refers to it.
+fn is_visual(geom: &Geom, spec: &Spec) -> bool {
+    let is = |name: &String| geom.name.as_ref() == Some(name);
+    let wraps = spec.tendons.iter().flat_map(|tendon| &tendon.wraps);
+    let sensors = spec.sensors.iter();
+    geom.contype == 0
+        && geom.conaffinity == 0
+        && !spec
+            .pairs
+            .iter()
+            .any(|pair| pair.geoms.iter().flatten().any(is))
+        && !wraps
+            .into_iter()
+            .any(|(_, wrap)| matches!(wrap, Wrap::Geom(name, _) if is(name)))
+        && !sensors
+            .flat_map(|sensor| sensor.object.iter().chain(&sensor.reference))
+            .any(|target| target.kind == ObjectType::Geom && is(&target.name))
 }
 
 /// The mesh of a geom.
@@ -242,8 +266,14 @@ pub(super) fn single(rgba: [f64; 4]) -> [f64; 4] {
     rgba.map(|x| f64::from(x as f32))
 }
 
-/// Adds a site.
-pub(super) fn add_site(m: &mut CompiledModel, spec: &Spec, body: usize, site: &Site) -> Result<()> {
+/// Adds a site; `outer` is the frame of the text's body in the compiled one.
+pub(super) fn add_site(
+    m: &mut CompiledModel,
+    spec: &Spec,
+    body: usize,
+    site: &Site,
+    outer: Option<Frame>,
+) -> Result<()> {
     m.names.site.push(site.name.clone());
     m.site_bodyid.push(body);
     m.site_type.push(site.shape);
@@ -259,7 +289,7 @@ pub(super) fn add_site(m: &mut CompiledModel, spec: &Spec, body: usize, site: &S
     if [4, 6].contains(&site.shape) && site.fromto.is_some() {
         size = [size[0], size[0], size[1]];
     }
-    let (pos, quat) = within(site.frame, own);
+    let (pos, quat) = within(outer, within(site.frame, own));
     m.site_size.push(size);
     m.site_pos.push(pos);
     m.site_quat.push(quat);

@@ -7,7 +7,8 @@ use crate::math::axes::Axes;
 use crate::math::libm;
 pub(super) use crate::math::spatial::MINVAL;
 use crate::math::spatial::{InTurn, Order, Quat, inertia_at};
-use crate::mjcf::orientation::{compose, unit};
+use crate::mjcf::orientation::{IDENTITY, compose, unit, within};
+use crate::mjcf::spec::Frame;
 use crate::model::GeomType;
 
 /// Mass, centre and principal moments of inertia of a body, or of a geom within its body.
@@ -172,6 +173,60 @@ pub(super) fn combine(parts: &[Inertia], revision: Revision) -> Option<Inertia> 
         quat,
         moments,
     })
+}
+
+/// The inertia of a body and of another whose frame in it is `pose`: MuJoCo's `AccumulateInertia`.
+pub(super) fn accumulate(
+    body: &Inertia,
+    other: &Inertia,
+    pose: Frame,
+    revision: Revision,
+) -> Inertia {
+    let (pos, quat) = within(Some(pose), (other.pos, other.quat));
+    let moved = Inertia {
+        pos,
+        quat,
+        ..*other
+    };
+    let both = [*body, moved];
+    let mass = both[0].mass + both[1].mass;
+    if mass < MINVAL {
+        return Inertia {
+            mass: 0.0,
+            pos: [0.0; 3],
+            quat: IDENTITY,
+            moments: [0.0; 3],
+        };
+    }
+    let pos = std::array::from_fn(|i| {
+        (both[0].mass * both[0].pos[i] + both[1].mass * both[1].pos[i]) / mass
+    });
+    let [own, others] = both.map(|part| about(&part, pos));
+    let total = std::array::from_fn(|k| own[k] + others[k]);
+    let (moments, quat) = principal_axes(total, revision);
+    Inertia {
+        mass,
+        pos,
+        quat,
+        moments,
+    }
+}
+
+/// The inertia matrix of a part about a point.
+fn about(part: &Inertia, point: [f64; 3]) -> [f64; 6] {
+    let mat = InTurn::quat_to_mat(part.quat);
+    let turned = inertia_at((), part.moments, &mat, [0.0; 3], part.mass);
+    let [x, y, z] = std::array::from_fn(|i| part.pos[i] - point[i]);
+    let m = part.mass;
+    let shift = [
+        m * (y * y + z * z),
+        m * (x * x + z * z),
+        m * (x * x + y * y),
+        -m * x * y,
+        -m * x * z,
+        -m * y * z,
+    ];
+    std::array::from_fn(|k| turned[k] + shift[k])
 }
 
 /// Principal moments of an inertia matrix (xx, yy, zz, xy, xz, yz), falling, and the orientation of

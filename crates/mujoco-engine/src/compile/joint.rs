@@ -9,7 +9,7 @@ use crate::model::{CompiledModel, JointType};
 pub(super) fn add_joint(
     m: &mut CompiledModel,
     spec: &Spec,
-    body_id: usize,
+    (body_id, parent): (usize, usize),
     body: &Body,
     joint: &Joint,
 ) -> Result<()> {
@@ -31,7 +31,7 @@ pub(super) fn add_joint(
     let force_limited = !free
         && !ball
         && super::limited(joint.force_limited, joint.force_range, spec, place, names)?;
-    if free && body.parent != 0 {
+    if free && parent != 0 {
         let reason = "a free joint belongs to a body directly in the world";
         return Err(place.attribute("type", reason));
     }
@@ -94,7 +94,7 @@ pub(super) fn add_joint(
         let dof = m.nv();
         let first_of_body = dof == 0 || m.dof_bodyid[dof - 1] != body_id;
         let parent = if first_of_body {
-            m.last_dof(body.parent)
+            m.last_dof(parent)
         } else {
             dof as i32 - 1
         };

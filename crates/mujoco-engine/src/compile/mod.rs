@@ -4,6 +4,7 @@
 //! |---|---|
 //! | `source` | models from texts and files |
 //! | `body`, `joint`, `geom`, ... | a section of MJCF each: ids, frames |
+//! | `fuse` | bodies without joints as parts of their parents |
 //! | `inertia`, `fluid` | masses, principal axes, coefficients of shapes |
 //! | `hfields` | height fields of a model, from its text or files |
 //! | `mesh`, `hull`, `assets` | meshes of files; their convex hulls; the meshes of a model |
@@ -22,6 +23,7 @@ mod equality;
 mod features;
 mod figures;
 mod fluid;
+mod fuse;
 mod geom;
 mod hfields;
 pub mod hull;
@@ -38,9 +40,11 @@ mod values;
 use std::collections::HashSet;
 
 use self::constants::{mark_simple, with_constants};
+use self::fuse::Kept;
 use self::inertia::MINVAL;
+use crate::math::libm;
 use crate::mjcf::orientation::{IDENTITY, turned, within};
-use crate::mjcf::spec::{Spec, Statistic};
+use crate::mjcf::spec::{Body, Frame, Spec, Statistic};
 use crate::mjcf::xml::Place;
 use crate::model::{CompiledModel, ObjectType};
 use crate::{Model, Result};
@@ -55,13 +59,19 @@ pub(super) fn compile(spec: &Spec) -> Result<Box<CompiledModel>> {
     });
     let meshes = assets::add_meshes(&mut m, spec)?;
     hfields::add_hfields(&mut m, spec)?;
-    for (id, body) in spec.bodies.iter().enumerate() {
-        body::add_body(&mut m, spec, &meshes, id, body)?;
+    let kept = fuse::kept(spec);
+    let mut looks = Vec::new();
+    for (id, kept) in kept.iter().enumerate() {
+        let aligned = body::add_body(&mut m, spec, &meshes, id, kept)?;
+        looks.push((id, kept.body, aligned));
+        let fused = kept.fused.iter();
+        let moved = |pose| spec.revision.fuses_first().then_some(pose);
+        looks.extend(fused.map(|&(body, pose)| (id, body, moved(pose))));
     }
     scale_mass(&mut m, spec.compiler.total_mass);
-    check_mass(&m, spec)?;
+    check_mass(&m, &kept)?;
     mark_simple(&mut m);
-    add_looks(&mut m, spec)?;
+    add_looks(&mut m, spec, &looks)?;
     contact::add_excludes(&mut m, spec)?;
     contact::add_pairs(&mut m, spec)?;
     tendon::add_tendons(&mut m, spec)?;
@@ -122,17 +132,23 @@ fn scale_mass(m: &mut CompiledModel, total: Option<f64>) {
 }
 
 /// Refuses movable bodies without mass, with their place in the text.
-fn check_mass(m: &CompiledModel, spec: &Spec) -> Result<()> {
+fn check_mass(m: &CompiledModel, bodies: &[Kept<'_>]) -> Result<()> {
     let reason =
         "it has joints and therefore needs mass and inertia: give it a geom, or an <inertial>";
     match values::weightless(m) {
-        Some(body) => Err(spec.bodies[body].place.error(reason)),
+        Some(id) => Err(bodies[id].body.place.error(reason)),
         None => Ok(()),
     }
 }
 
-fn add_looks(m: &mut CompiledModel, spec: &Spec) -> Result<()> {
-    for (id, body) in spec.bodies.iter().enumerate() {
+/// Adds cameras, lights and materials. `bodies` are the compiled id of each body, the body, and its
+/// frame in the compiled one.
+fn add_looks(
+    m: &mut CompiledModel,
+    spec: &Spec,
+    bodies: &[(usize, &Body, Option<Frame>)],
+) -> Result<()> {
+    for &(id, body, outer) in bodies {
         for camera in &body.cameras {
             let target = match &camera.target {
                 Some(name) => Some(m.body_id(name).ok_or_else(|| {
@@ -140,10 +156,6 @@ fn add_looks(m: &mut CompiledModel, spec: &Spec) -> Result<()> {
                         .place
                         .attribute("target", format!("there is no body {name:?}"))
                 })?),
-                None if camera.mode >= 3 => {
-                    let reason = "missing: this mode needs it";
-                    return Err(camera.place.attribute("target", reason));
-                }
                 None => None,
             };
             m.names.camera.push(camera.name.clone());
@@ -151,20 +163,44 @@ fn add_looks(m: &mut CompiledModel, spec: &Spec) -> Result<()> {
             m.cam_bodyid.push(id);
             m.cam_targetbodyid.push(target.map_or(-1, |id| id as i32));
             let own = (camera.pos, camera.orientation.resolve(&spec.compiler));
-            let (pos, quat) = within(camera.frame, own);
+            let (pos, quat) = within(outer, within(camera.frame, own));
             m.cam_pos.push(pos);
             m.cam_quat.push(quat);
-            m.cam_fovy.push(camera.fovy);
+            let intrinsic = camera.intrinsic()?;
+            m.cam_projection.push(u8::from(camera.orthographic));
+            m.cam_resolution.push(camera.resolution);
+            m.cam_sensorsize.push(camera.sensor_size.map(f64::from));
+            m.cam_intrinsic.push(intrinsic.map(f64::from));
+            m.cam_fovy.push(if camera.has_sensor() {
+                let half = f64::from(camera.sensor_size[1] / 2.0);
+                let angle = libm::atan2(half, f64::from(intrinsic[1]));
+                f64::from(angle as f32) * 360.0 / std::f64::consts::PI
+            } else {
+                camera.fovy
+            });
         }
     }
-    for light in spec.bodies.iter().flat_map(|body| &body.lights) {
-        m.light_type.push(u8::from(light.directional));
-        let (pos, _) = within(light.frame, (light.pos, IDENTITY));
-        m.light_pos.push(pos);
-        m.light_dir.push(turned(light.frame, light.dir));
+    let lights = bodies.iter().flat_map(|(_, body, outer)| {
+        let lights = body.lights.iter();
+        lights.map(move |light| (light, *outer))
+    });
+    for (light, outer) in lights {
+        if let Some(name) = &light.target
+            && m.body_id(name).is_none()
+        {
+            let reason = format!("there is no body {name:?}");
+            return Err(light.place.attribute("target", reason));
+        }
+        m.light_type.push(light.kind);
+        let place = within(light.frame, (light.pos, IDENTITY));
+        m.light_pos.push(within(outer, place).0);
+        m.light_dir
+            .push(turned(outer, turned(light.frame, light.dir)));
     }
     let colors = spec.materials.iter().map(|material| material.rgba);
-    m.mat_rgba = colors.map(geom::single).collect();
+    if !spec.compiler.discard_visual {
+        m.mat_rgba = colors.map(geom::single).collect();
+    }
     Ok(())
 }
 

@@ -11,9 +11,9 @@ impl Model {
     /// | section | supported |
     /// |---|---|
     /// | all | `include`; `default` classes and `childclass`; orientations by quat, axisangle, xyaxes, zaxis and euler |
-    /// | `compiler` | angle, eulerseq, autolimits, inertiafromgeom, inertiagrouprange, balanceinertia, boundmass, boundinertia, settotalmass, meshdir, assetdir, strippath, fitaabb, coordinate="local" |
+    /// | `compiler` | angle, eulerseq, autolimits, inertiafromgeom, inertiagrouprange, balanceinertia, boundmass, boundinertia, settotalmass, meshdir, assetdir, strippath, fitaabb, fusestatic, discardvisual, alignfree, coordinate="local" |
     /// | `option` | timestep, gravity, wind, magnetic, density, viscosity, cone, impratio, solver, iterations, ls_iterations, tolerance, noslip_iterations, noslip_tolerance, integrator, `flag` |
-    /// | bodies | `body` (mocap, gravcomp), `frame`, `replicate`, `inertial`; all joints with springs, dampers, dry friction, limits; sites, cameras, lights |
+    /// | bodies | `body` (mocap, gravcomp), `frame`, `replicate`, `inertial`; all joints with springs, dampers, dry friction, limits, align; sites, all cameras and lights |
     /// | `geom` | plane, hfield, sphere, capsule, ellipsoid, cylinder, box; fluidshape; all contact parameters; meshes, and shapes fitted to them |
     /// | `asset` | mesh, of a file (STL, OBJ, MSH) or of vertices in the text: scale, refpos, refquat, inertia, smoothnormal, maxhullvert; hfield, of a file (PNG, or MuJoCo's binary) or of elevations in the text |
     /// | `contact` | pair, exclude |
@@ -24,8 +24,10 @@ impl Model {
     /// | `keyframe` | key |
     ///
     /// `asset` gives the colours of materials; `statistic` and `size` are read as in MuJoCo; `visual`,
-    /// `custom`, `user`, `group`, textures and skins are ignored. Rangefinders
-    /// in a model with meshes or height fields,
+    /// `custom`, `user`, `group`, textures and skins are ignored. Text that is not quite XML (attributes
+    /// without a space between them, `&` in values, `--` in comments) is read where libmujoco reads it,
+    /// and a file that is a part of a model, with `body` outermost, is a model without the part.
+    /// Rangefinders in a model with meshes or height fields,
     /// composites, flexes and plugins are errors, and so are more than 1000 objects of a kind (sites:
     /// 200,000 elements together) and more than 8 MiB of names, both with the copies that `replicate`
     /// makes, and files of meshes or of height fields with more than 256 MiB together.

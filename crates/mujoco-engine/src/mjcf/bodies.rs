@@ -4,7 +4,7 @@ use std::rc::Rc;
 
 use super::MOST;
 use super::defaults::Classes;
-use super::orientation::{IDENTITY, Orientation, compose, unit, within};
+use super::orientation::{Orientation, unit, within};
 use super::spec::{Body, Frame, Inertial, Joint, Spec};
 use super::xml::Element;
 use crate::Result;
@@ -67,8 +67,6 @@ struct Copies {
     separator: String,
     /// The position of the next copy, relative to the parent of the `replicate`.
     pos: [f64; 3],
-    turn: [f64; 4],
-    step: [f64; 4],
     /// The frame and the suffix of the parent of the `replicate`.
     outer: (Option<Frame>, Rc<str>),
 }
@@ -210,8 +208,6 @@ impl<'s> Bodies<'s> {
             return Err(element.place().attribute("count", reason));
         }
         let (offset, euler) = (element.numbers("offset")?, element.numbers("euler")?);
-        let euler = euler.unwrap_or_default();
-        let step = Orientation::of_euler(euler).resolve(&self.spec.compiler);
         let class = self
             .classes
             .named(&mut element, "childclass", around.class)?;
@@ -222,11 +218,9 @@ impl<'s> Bodies<'s> {
             count,
             next: 0,
             offset: offset.unwrap_or_default(),
-            euler,
+            euler: euler.unwrap_or_default(),
             separator,
             pos: [0.0; 3],
-            turn: IDENTITY,
-            step,
             outer: (around.frame, around.suffix.clone()),
         });
         Ok(open)
@@ -244,12 +238,14 @@ impl<'s> Bodies<'s> {
         copies.next += 1;
         let euler = copies.euler.map(|angle| number as f64 * angle);
         let quat = Orientation::of_euler(euler).resolve(&self.spec.compiler);
-        let (pos, quat) = within(copies.outer.0, (copies.pos, quat));
+        let own = (copies.pos, quat);
+        // MuJoCo turns the offset to the next copy by this copy's Euler angles
+        copies.pos = add(
+            copies.pos,
+            rotate(&InTurn::quat_to_mat(quat), copies.offset),
+        );
+        let (pos, quat) = within(copies.outer.0, own);
         open.frame = Some((pos, unit(quat).0));
-        // the frame of the next copy: MuJoCo's `mjuu_frameaccum`
-        let moved = rotate(&InTurn::quat_to_mat(copies.turn), copies.offset);
-        copies.pos = add(copies.pos, moved);
-        copies.turn = compose(copies.turn, copies.step);
         let digits = copies.count.to_string().len();
         let (separator, outer) = (&copies.separator, &copies.outer.1);
         let length = separator.len() + digits + outer.len();

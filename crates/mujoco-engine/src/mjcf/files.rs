@@ -9,6 +9,7 @@ use std::rc::Rc;
 
 use roxmltree::{Document, Node, ParsingOptions};
 
+use super::tidy::tidy;
 use super::xml::{Lines, MAX_VISITS, Place};
 use crate::{Error, Result};
 
@@ -42,19 +43,19 @@ pub(crate) struct Texts {
 impl Texts {
     /// The text of a model without files: an `include` is an error.
     pub(crate) fn of(text: &str) -> Result<Self> {
-        Self::load(text.to_owned(), None)
+        Self::load(text, None)
     }
 
     /// A file and all that it includes.
     pub(crate) fn of_file(path: &Path) -> Result<Self> {
-        Self::load(read(path)?, Some(path))
+        Self::load(&read(path)?, Some(path))
     }
 
     /// Reads the included files, each once: files that include each other are an error.
-    fn load(text: String, path: Option<&Path>) -> Result<Self> {
+    fn load(text: &str, path: Option<&Path>) -> Result<Self> {
         let folder_of = |path: &Path| path.parent().unwrap_or(Path::new("")).to_owned();
         let mut all = Self {
-            texts: vec![(Rc::default(), text)],
+            texts: vec![(Rc::default(), tidy(text).into_owned())],
             folder: path.map(folder_of),
             ..Self::default()
         };
@@ -79,7 +80,7 @@ impl Texts {
                     let reason = format!("{} is included already", path.display());
                     return Err(place.attribute("file", reason));
                 }
-                let text = read(path)?;
+                let text = tidy(&read(path)?).into_owned();
                 let length: usize = all.texts.iter().map(|(_, text)| text.len()).sum();
                 if paths.len() == MAX_FILES || length + text.len() > MAX_LEN {
                     let reason =

@@ -12,6 +12,7 @@ pub(crate) mod files;
 pub(crate) mod orientation;
 pub(crate) mod reader;
 pub(crate) mod spec;
+mod tidy;
 pub(crate) mod xml;
 
 /// The largest number of bodies, geoms and degrees of freedom (the engine's matrices are dense),

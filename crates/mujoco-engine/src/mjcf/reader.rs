@@ -64,6 +64,8 @@ impl Reader<'_> {
                 "statistic" => self.read_statistic(section)?,
                 // only MuJoCo's own viewer uses these sections
                 "visual" | "custom" => {}
+                // MuJoCo takes files that are a part of a model, and makes a model without the part
+                "body" | "frame" => {}
                 name if SECTIONS.contains(&name) => {}
                 _ => return Err(root.unsupported(&section, &SECTIONS)),
             }

@@ -30,6 +30,9 @@ changes! {
     classes_by_kind since V4_0;
     /// The relative pose of a weld constraint is normalised when it is read.
     normalizes_weld_poses since V4_0;
+    /// The parts of fused bodies move to their parents before masses are computed, and cameras and
+    /// lights move with them.
+    fuses_first since V3_17;
     /// Contacts make no constraints where no degree of freedom moves one body relative to the
     /// other.
     drops_rigid_pairs since V4_0;

@@ -249,16 +249,24 @@ pub struct CompiledModel {
     pub cam_mode: Vec<u8>,
     /// The camera's body.
     pub cam_bodyid: Vec<usize>,
-    /// The target body of the modes targetbody and targetbodycom; -1 in other modes.
+    /// The target body of the modes targetbody and targetbodycom; -1 for none.
     pub cam_targetbodyid: Vec<i32>,
     /// Position in the body's frame.
     pub cam_pos: Vec<[f64; 3]>,
     /// Orientation in the body's frame.
     pub cam_quat: Vec<[f64; 4]>,
-    /// Vertical field of view in degrees.
+    /// Vertical field of view in degrees; the height of an orthographic camera's view.
     pub cam_fovy: Vec<f64>,
+    /// 0 perspective, 1 orthographic.
+    pub cam_projection: Vec<u8>,
+    /// Width and height in pixels.
+    pub cam_resolution: Vec<[i32; 2]>,
+    /// Width and height of the sensor; 0 if the field of view is given instead.
+    pub cam_sensorsize: Vec<[f64; 2]>,
+    /// The focal lengths and the principal point on the sensor; 0 without a sensor.
+    pub cam_intrinsic: Vec<[f64; 4]>,
 
-    /// 0 spot, 1 directional.
+    /// 0 spot, 1 directional, 2 point, 3 image.
     pub light_type: Vec<u8>,
     /// Position in the body's frame.
     pub light_pos: Vec<[f64; 3]>,

@@ -43,7 +43,23 @@ fn refused() -> Vec<Refused> {
             "joint",
             Some("springdamper"),
         ),
-        body("<freejoint align=\"true\"/>", "freejoint", Some("align")),
+        body("<freejoint align=\"maybe\"/>", "freejoint", Some("align")),
+        world(
+            "<camera focal=\"1 1\" resolution=\"9 9\"/>",
+            "camera",
+            Some("sensorsize"),
+        ),
+        world(
+            "<camera sensorsize=\"1 1\" fovy=\"40\"/>",
+            "camera",
+            Some("sensorsize"),
+        ),
+        world("<light target=\"none\"/>", "light", Some("target")),
+        world(
+            "<light type=\"point\" directional=\"true\"/>",
+            "light",
+            Some("type"),
+        ),
         other(
             "<compiler coordinate=\"global\"/>",
             "compiler",
@@ -64,21 +80,6 @@ fn refused() -> Vec<Refused> {
         world("<geom size=\"1,2\"/>", "geom", Some("size")),
         world("<geom size=\"\"/>", "geom", Some("size")),
         world("<geom size=\"-1\"/>", "geom", Some("size")),
-        world(
-            "<geom size=\"1\" solimp=\"0.9 1.5\"/>",
-            "geom",
-            Some("solimp"),
-        ),
-        body(
-            "<joint solimplimit=\"-0.1\"/>",
-            "joint",
-            Some("solimplimit"),
-        ),
-        body(
-            "<joint solimpfriction=\".9 .95 .1 2\"/>",
-            "joint",
-            Some("solimpfriction"),
-        ),
         world("<geom/>", "geom", Some("size")),
         world("<geom size=\"1\" pos=\"1 2\"/>", "geom", Some("pos")),
         world("<geom size=\"1\" pos=\"1 2 3 4\"/>", "geom", Some("pos")),
@@ -184,8 +185,6 @@ fn refused() -> Vec<Refused> {
             Some("meaninertia"),
         ),
         other("<size nkey=\"1001\"/>", "size", Some("nkey")),
-        world("<camera mode=\"targetbody\"/>", "camera", Some("target")),
-        world("<camera mode=\"targetbodycom\"/>", "camera", Some("target")),
         world(
             "<camera mode=\"targetbody\" target=\"none\"/>",
             "camera",
@@ -517,4 +516,26 @@ fn endless_files_are_refused() {
             .to_string()
             .contains("the limit is")
     );
+}
+
+/// MuJoCo makes an empty model of a file that is a part of another.
+#[test]
+fn a_part_of_a_model_is_a_model_without_it() {
+    let part = Model::from_xml("<mujoco><body><geom size=\"1\"/></body><frame/></mujoco>").unwrap();
+    assert_eq!((part.nbody(), part.ngeom()), (1, 0));
+}
+
+#[test]
+fn a_sensor_gives_the_field_of_view() {
+    let m = Model::from_xml(&in_the_world(
+        "<camera resolution=\"64 48\" sensorsize=\".004 .003\" focal=\".002 .002\"/>\
+         <camera projection=\"orthographic\" fovy=\"3\"/><light type=\"image\"/>",
+    ))
+    .unwrap();
+    // as libmujoco, which computes in single precision
+    assert_eq!(m.cam_fovy[0], 73.739_794_619_157_35);
+    assert_eq!(m.cam_fovy[1], 3.0);
+    assert_eq!(m.cam_projection, [0, 1]);
+    assert_eq!(m.cam_intrinsic[0][0], f64::from(0.002_f32));
+    assert_eq!(m.light_type, [3]);
 }

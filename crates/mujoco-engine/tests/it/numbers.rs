@@ -72,11 +72,11 @@ fn what_mjcf_refuses_is_refused_everywhere() {
     let negative = "body_mass/3 body_inertia/3/1 jnt_margin/0 jnt_stiffness/1 dof_armature/0 dof_damping/1 dof_frictionloss/0 \
                     geom_rbound/1 geom_solmix/0 geom_friction/2/2 tendon_stiffness/1 tendon_damping/1 tendon_frictionloss/0 \
                     sensor_cutoff/0 sensor_noise/0 opt/tolerance opt/ls_tolerance opt/noslip_tolerance opt/density opt/viscosity \
-                    opt/impratio opt/timestep stat/extent wrap_prm/5 cam_fovy/0 jnt_solimp/0/0 jnt_solimp/1/1 dof_solimp/0/3 \
-                    geom_solimp/0/0 eq_solimp/0/1 pair_solimp/0/3 tendon_solimp_lim/0/0 tendon_solimp_fri/0/1 jnt_solref/0/1 \
+                    opt/impratio opt/timestep stat/extent wrap_prm/5 cam_fovy/0 \
+                    jnt_solref/0/1 \
                     dof_solref/0/0 geom_solref/3/1 eq_solref/0/0 pair_solref/0/0 tendon_solref_lim/0/0 tendon_solref_fri/0/1";
     let zero = "body_mass/3 body_inertia/2/0 opt/impratio opt/timestep geom_size/1/0 jnt_solref/0/0 cam_fovy/0";
-    let large = "body_inertia/3/0 dof_solimp/0/0 geom_solimp/0/1 jnt_solimp/0/3 jnt_range/1/0 tendon_range/0/0 jnt_actfrcrange/0/0 \
+    let large = "body_inertia/3/0 jnt_range/1/0 tendon_range/0/0 jnt_actfrcrange/0/0 \
                  tendon_actfrcrange/0/0 actuator_ctrlrange/0/0 actuator_forcerange/0/0 actuator_actrange/3/0 actuator_lengthrange/2/0 \
                  tendon_lengthspring/1/0 geom_quat/1/2 body_quat/2/0 body_iquat/3/1 site_quat/0/3 cam_quat/0/0 jnt_axis/0/0 \
                  geom_matid/0 cam_targetbodyid/0 wrap_prm/3 pair_dim/0 body_mocapid/1 cam_fovy/0 cam_mode/0";

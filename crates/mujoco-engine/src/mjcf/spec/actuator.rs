@@ -159,6 +159,8 @@ impl Actuator {
             ("filterexact", DynamicsType::FilterExact),
             ("muscle", DynamicsType::Muscle),
         ];
+        // the meaning of the control in files that MuJoCo 4.0 saves, which has no effect
+        element.keyword("input", &[("pos", ()), ("vel", ()), ("pressure", ())])?;
         element.set_keyword("dyntype", &dynamics, &mut self.dynamics)?;
         let gains = [
             ("fixed", GainType::Fixed),

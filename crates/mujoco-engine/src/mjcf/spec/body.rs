@@ -90,7 +90,16 @@ with_defaults! {
         pos: [f64; 3] = [0.0; 3],
         orientation: Orientation = Orientation::default(),
         frame: Option<Frame> = None,
+        orthographic: bool = false,
         fovy: f64 = 45.0,
+        resolution: [i32; 2] = [1; 2],
+        /// The size of the image on the sensor, which stands in the place of `fovy`.
+        sensor_size: [f32; 2] = [0.0; 2],
+        /// The focal length and the principal point, in the unit of the sensor and in pixels.
+        focal: [f32; 2] = [0.0; 2],
+        focal_pixel: [f32; 2] = [0.0; 2],
+        principal: [f32; 2] = [0.0; 2],
+        principal_pixel: [f32; 2] = [0.0; 2],
     }
 }
 
@@ -108,23 +117,81 @@ impl Camera {
         element.set_keyword("mode", &MODES, &mut self.mode)?;
         self.target = element.text("target")?.or(self.target.take());
         replace(&mut self.pos, element.numbers("pos")?);
-        replace(&mut self.fovy, element.number("fovy")?);
+        let fovy = element.number("fovy")?;
+        replace(&mut self.fovy, fovy);
         if !(self.fovy > 0.0 && self.fovy < 180.0) {
             let reason = "must lie between 0 and 180 degrees";
             return Err(self.place.attribute("fovy", reason));
         }
         self.orientation.read(element)?;
-        element.keyword("projection", &[("perspective", ())])?;
-        element.ignore("user ipd resolution output");
+        let projections = [("perspective", false), ("orthographic", true)];
+        element.set_keyword("projection", &projections, &mut self.orthographic)?;
+        if let Some([width, height]) = element.numbers("resolution")? {
+            self.resolution = [width as i32, height as i32];
+        }
+        let size = element.numbers::<2>("sensorsize")?;
+        if size.is_some() && fovy.is_some() {
+            return Err(self.place.attribute("sensorsize", "does not go with fovy"));
+        }
+        for (name, value) in [
+            ("focal", &mut self.focal),
+            ("focalpixel", &mut self.focal_pixel),
+            ("principal", &mut self.principal),
+            ("principalpixel", &mut self.principal_pixel),
+        ] {
+            replace(value, element.numbers(name)?.map(single));
+        }
+        replace(&mut self.sensor_size, size.map(single));
+        element.ignore("user ipd output");
         Ok(())
     }
+
+    /// Whether the size of the sensor gives the field of view.
+    pub(crate) fn has_sensor(&self) -> bool {
+        self.sensor_size.iter().all(|size| *size > 0.0)
+    }
+
+    /// The focal lengths and the principal point on the sensor.
+    ///
+    /// # Errors
+    /// For lengths without a sensor, and a sensor without a resolution.
+    pub(crate) fn intrinsic(&self) -> Result<[f32; 4]> {
+        let lengths = [self.focal, self.principal];
+        let pixels = [self.focal_pixel, self.principal_pixel];
+        if !self.has_sensor() {
+            let any = lengths.iter().chain(&pixels).flatten().any(|x| *x != 0.0);
+            let reason = "missing: focal lengths and principal points need it";
+            return match any {
+                true => Err(self.place.attribute("sensorsize", reason)),
+                false => Ok([0.0; 4]),
+            };
+        }
+        if self.resolution.iter().any(|pixels| *pixels <= 0) {
+            return Err(self.place.attribute("resolution", "must be positive"));
+        }
+        Ok(std::array::from_fn(|i| {
+            let (part, axis) = (i / 2, i % 2);
+            let density = self.resolution[axis] as f32 / self.sensor_size[axis];
+            match pixels[part][axis] {
+                0.0 => lengths[part][axis],
+                pixels => pixels / density,
+            }
+        }))
+    }
+}
+
+fn single(numbers: [f64; 2]) -> [f32; 2] {
+    numbers.map(|x| x as f32)
 }
 
 with_defaults! {
     /// A light. Its colours are ignored: the renderer has its own light.
     struct Light {
+        place: Place = Place::default(),
         name: Option<String> = None,
-        directional: bool = false,
+        /// 0 spot, 1 directional, 2 point, 3 image.
+        kind: u8 = 0,
+        target: Option<String> = None,
         pos: [f64; 3] = [0.0; 3],
         dir: [f64; 3] = [0.0, 0.0, -1.0],
         frame: Option<Frame> = None,
@@ -133,9 +200,16 @@ with_defaults! {
 
 impl Light {
     pub(crate) fn read(&mut self, element: &mut Element<'_, '_>) -> Result<()> {
-        let kind = element.keyword("type", &[("spot", false), ("directional", true)])?;
-        let directional = element.flag("directional")?.or(kind);
-        replace(&mut self.directional, directional);
+        self.place = element.place();
+        let kinds = [("spot", 0), ("directional", 1), ("point", 2), ("image", 3)];
+        let directional = element.flag("directional")?.map(u8::from);
+        let kind = element.keyword("type", &kinds)?;
+        if kind.is_some() && directional.is_some() {
+            return Err(self.place.attribute("type", "does not go with directional"));
+        }
+        replace(&mut self.kind, kind.or(directional));
+        self.target = element.text("target")?.or(self.target.take());
+        element.set_keyword("mode", &MODES, &mut 0)?;
         replace(&mut self.pos, element.numbers("pos")?);
         if let Some(dir) = element.numbers::<3>("dir")? {
             let length = norm(&dir);
@@ -145,7 +219,7 @@ impl Light {
             self.dir = dir.map(|x| x / length);
         }
         element.ignore(
-            "mode target castshadow active ambient diffuse specular attenuation cutoff exponent \
+            "castshadow active ambient diffuse specular attenuation cutoff exponent \
              softness bulbradius intensity range texture",
         );
         Ok(())

@@ -30,6 +30,11 @@ pub(crate) const EQUALITIES: [(&str, EqualityType, [&str; 2]); 4] = [
 ];
 
 impl Equality {
+    /// Whether the names are of bodies.
+    pub(crate) fn relates_bodies(&self) -> bool {
+        matches!(self.kind, EqualityType::Connect | EqualityType::Weld) && !self.sites
+    }
+
     /// Reads the attributes that all kinds share.
     pub(crate) fn read_common(&mut self, element: &mut Element<'_, '_>) -> Result<()> {
         self.place = element.place();

@@ -129,6 +129,9 @@ with_defaults! {
         strip_path: bool = false,
         /// Whether shapes are fitted to the bounds of a mesh, not to its inertia.
         fit_bounds: bool = false,
+        fuse_static: bool = false,
+        discard_visual: bool = false,
+        align_free: bool = false,
         euler: Sequence = [(0, false), (1, false), (2, false)],
     }
 }
@@ -167,10 +170,12 @@ impl Compiler {
         replace(&mut self.fit_bounds, element.flag("fitaabb")?);
         // attributes of files that are not read, and attributes without effect on the compiled
         // model
+        // conflicts between models arise where one attaches another
+        element.keyword("conflict", &[("warning", ()), ("merge", ()), ("error", ())])?;
         element.ignore("texturedir usethread saveinertial");
-        for name in ["fusestatic", "discardvisual", "alignfree"] {
-            element.keyword(name, &[("false", ())])?;
-        }
+        replace(&mut self.fuse_static, element.flag("fusestatic")?);
+        replace(&mut self.discard_visual, element.flag("discardvisual")?);
+        replace(&mut self.align_free, element.flag("alignfree")?);
         for child in element.children()? {
             if child.name() != "lengthrange" {
                 return Err(element.unsupported(&child, &["lengthrange"]));
@@ -239,22 +244,13 @@ fn read_solref(
     Err(element.place().attribute(name, reason))
 }
 
-/// Reads `solimp`: dmin, dmax, width, midpoint, power.
+/// Reads `solimp`: dmin, dmax, width, midpoint, power. The engine clamps them, as MuJoCo does.
 fn read_solimp(
     element: &mut Element<'_, '_>,
     name: &'static str,
     solimp: &mut [f64; 5],
 ) -> Result<()> {
-    element.up_to(name, solimp)?;
-    let [dmin, dmax, _, midpoint, _] = *solimp;
-    if [dmin, dmax, midpoint]
-        .iter()
-        .all(|x| (0.0..=1.0).contains(x))
-    {
-        return Ok(());
-    }
-    let reason = "dmin, dmax and midpoint must be from 0 to 1";
-    Err(element.place().attribute(name, reason))
+    element.up_to(name, solimp).map(|_| ())
 }
 
 /// The axes in a text such as `xyz`. Capital letters name fixed axes.

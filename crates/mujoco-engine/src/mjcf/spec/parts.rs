@@ -39,6 +39,8 @@ with_defaults! {
         force_range: [f64; 2] = [0.0; 2],
         force_limited: Option<bool> = None,
         actuator_gravcomp: bool = false,
+        /// `align` of a free joint; `None` is `auto`.
+        align: Option<bool> = None,
         frame: Option<Frame> = None,
     }
 }
@@ -92,12 +94,12 @@ impl Joint {
 
     /// A `freejoint`, which has no defaults.
     pub(crate) fn read_free(mut element: Element<'_, '_>) -> Result<Self> {
-        let joint = Self {
+        let mut joint = Self {
             place: element.place(),
             kind: JointType::Free,
             ..Self::default()
         };
-        element.keyword("align", &[("false", ()), ("auto", ())])?;
+        element.set_keyword("align", &LIMITED, &mut joint.align)?;
         element.ignore("group");
         element.finish_without_children()?;
         Ok(joint)

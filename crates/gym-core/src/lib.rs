@@ -41,8 +41,8 @@ pub use gym_numerics::{Generator, RandomState, Seed, math, rng, unique};
 
 pub use drawing::{canvas, pygame, render};
 pub use env::{
-    BoxEnv, Configure, Dynamics, Env, EnvExt, Inspect, NoArguments, Outcome, Stateful, Step, Task,
-    Transition, Wrapper, equations,
+    BoxEnv, Configure, Dynamics, Env, EnvExt, Goals, Inspect, NoArguments, Outcome, Stateful, Step,
+    Task, Transition, Wrapper, equations,
 };
 pub use play::{Keys, Policy, keys, policy};
 pub use registry::{Registration, builder, make, make_vec};

@@ -7,7 +7,7 @@ use gym_core::render::Metadata;
 use gym_core::spaces::BoxSpace;
 use gym_core::vector::lockstep::Lockstep;
 use gym_core::{
-    Array, DType, Env, Error, Generator, Inspect, Outcome, RandomState, Reset, Result, Seed,
+    Array, DType, Env, Error, Generator, Goals, Inspect, Outcome, RandomState, Reset, Result, Seed,
     Snapshot, Space, Value,
 };
 use mujoco_engine::lanes::Derived;
@@ -136,6 +136,7 @@ impl SimEnv {
             simulation.read(&reads);
         }
         let mut data = Data::new(&model);
+        data.userdata.resize(task.remembers(), 0.0);
         simulation.settle(&mut data);
         let mut seen = Observation::default();
         task.observe(&model, &data, &mut seen);
@@ -191,6 +192,7 @@ impl SimEnv {
         Some(self.resumed.get_or_init(|| {
             let mut data = data.clone();
             data.resume(&self.simulation.model);
+            self.task.show(&mut data);
             Box::new(data)
         }))
     }
@@ -227,6 +229,7 @@ impl SimEnv {
         episode.data.qpos.copy_from_slice(qpos);
         episode.data.qvel.copy_from_slice(qvel);
         self.simulation.settle(&mut episode.data);
+        self.task.show(&mut episode.data);
         Ok(())
     }
 
@@ -265,6 +268,7 @@ impl SimEnv {
     }
 
     fn start(&mut self, reset: &Reset) -> Result<Box<Episode>> {
+        self.task.check_options(&reset.options)?;
         let (rng, seeded) = self.seeded(reset)?;
         // the old data is reused, not cloned: a clone would allocate its contacts again
         let mut episode = match (self.episode.take(), rng) {
@@ -290,6 +294,7 @@ impl SimEnv {
             ..
         } = &mut *episode;
         data.reset(&self.simulation.model);
+        data.userdata.resize(self.task.remembers(), 0.0);
         if self.settles() {
             self.simulation.settle(data);
         }
@@ -299,6 +304,7 @@ impl SimEnv {
             rng,
             constants,
             seeded,
+            options: &reset.options,
         })?;
         let [qpos, qvel] = &self.settings.start;
         for (given, numbers) in [(qpos, &mut data.qpos), (qvel, &mut data.qvel)] {
@@ -307,6 +313,7 @@ impl SimEnv {
             }
         }
         self.simulation.settle(data);
+        self.task.show(data);
         Ok(episode)
     }
 
@@ -393,11 +400,19 @@ impl Env for SimEnv {
         }
         self.resumed.take();
         let data = &mut episode.data;
-        let measured = self.task.step(&self.simulation, data, action);
-        episode.measured = Some(measured);
+        self.task.prepare(data);
+        let mut measured = self.task.step(&self.simulation, data, action);
+        if !data.has_stale_arrays() {
+            self.task.show(data);
+        }
         episode.steps += 1;
         let truncated = episode.steps as f64 >= self.settings.limit;
         self.observe(observation);
+        if let Some(episode) = self.episode.as_deref_mut() {
+            let Episode { data, rng, .. } = episode;
+            self.task.follow(data, rng, &mut measured);
+            episode.measured = Some(measured);
+        }
         Ok(Outcome {
             reward: measured.reward,
             terminated: measured.terminated && !truncated,
@@ -426,7 +441,9 @@ impl Env for SimEnv {
             let valid = data.check(&self.simulation.model).is_ok()
                 && (!self.settles() || data.is_computed())
                 && *steps as f64 <= settings.limit.min(1e15)
-                && self.task.has(constants);
+                && self.task.has(constants)
+                && data.userdata.len() == self.task.remembers()
+                && data.userdata.iter().all(|x| x.abs() <= MAXVAL);
             if !valid {
                 let env = settings.name;
                 let reason = format!("its content is not a state of this {env}");
@@ -438,6 +455,7 @@ impl Env for SimEnv {
                     .change(|model| task.apply(constants, model))?;
             }
             data.resume(&self.simulation.model);
+            self.task.show(data);
         }
         self.episode = episode.map(Box::new);
         self.resumed.take();
@@ -460,6 +478,9 @@ impl Env for SimEnv {
                     visit("tendon_velocity", array(&data.ten_velocity));
                 }
             });
+        if let Some(success) = self.task.success(data, measured.as_ref()) {
+            visit("success", Value::Bool(success));
+        }
     }
 
     fn metadata(&self) -> Metadata {
@@ -515,6 +536,9 @@ impl Lockstep for SimEnv {
     fn begin_step(&mut self, action: &Array, worlds: &mut Groups) {
         let Simulation { model, stride, .. } = &self.simulation;
         let fits = action.shape() == [model.nu()] && action.is_finite();
+        if let Some(episode) = self.episode.as_mut().filter(|_| fits) {
+            self.task.prepare(&mut episode.data);
+        }
         // an episode with drawn constants has a model of its own, so its world steps alone
         let episode = self.episode.as_deref();
         let episode = episode.filter(|episode| fits && episode.constants.is_empty());
@@ -546,5 +570,9 @@ impl Inspect for SimEnv {
 
     fn arguments(&self) -> Json {
         self.settings.arguments.clone()
+    }
+
+    fn goals(&self) -> Option<&dyn Goals> {
+        self.task.goals()
     }
 }

@@ -53,7 +53,7 @@ impl Episode {
         let stored = snapshot.for_config(name, config, whole)?;
         Ok(stored.map(|stored| Self {
             rng: Rng::Generator(stored.rng),
-            constants: Vec::new(),
+            constants: stored.constants,
             steps: 0,
             data: stored.data,
             measures,
@@ -65,6 +65,8 @@ impl Episode {
 #[derive(Deserialize)]
 struct OfGenerator {
     rng: Generator,
+    #[serde(default)]
+    constants: Vec<f64>,
     data: Data,
     step: Option<BTreeMap<String, Number>>,
 }
@@ -78,13 +80,15 @@ struct OfRandomState {
     data: Data,
 }
 
-/// An episode stores what its kind of task has: generator and measured numbers, or two generators,
-/// constants and the number of steps.
+/// An episode stores what its kind of task has: a generator, drawn constants and measured numbers, or
+/// two generators, constants and the number of steps.
 impl Serialize for Episode {
     fn serialize<S: Serializer>(&self, serializer: S) -> std::result::Result<S::Ok, S::Error> {
         #[derive(Serialize)]
         struct WithGenerator<'a> {
             rng: &'a Generator,
+            #[serde(skip_serializing_if = "<[f64]>::is_empty")]
+            constants: &'a [f64],
             data: &'a Data,
             step: Option<Stored<'a>>,
         }
@@ -100,6 +104,7 @@ impl Serialize for Episode {
         match &self.rng {
             Rng::Generator(rng) => WithGenerator {
                 rng,
+                constants: &self.constants,
                 data,
                 step: self.measured.as_ref().map(|step| Stored(measures, step)),
             }

@@ -187,7 +187,13 @@ impl Simulation {
 
     /// Sets the controls to `action`, and advances by the timesteps of a step.
     pub fn step(&self, data: &mut Data, action: &Array) {
-        for (ctrl, a) in data.ctrl.iter_mut().zip(action.iter_f64()) {
+        self.drive(data, action.iter_f64());
+    }
+
+    /// Sets the controls, and advances by the timesteps of a step. Worlds whose controls are not the
+    /// action must not step together: their task [reads](crate::SimTask::reads) `None`.
+    pub fn drive(&self, data: &mut Data, controls: impl Iterator<Item = f64>) {
+        for (ctrl, a) in data.ctrl.iter_mut().zip(controls) {
             *ctrl = a;
         }
         let stride = self.stride.as_ref();

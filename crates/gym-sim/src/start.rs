@@ -2,7 +2,7 @@
 
 use std::f64::consts::PI;
 
-use gym_core::{Error, Result};
+use gym_core::{Error, Kwargs, Result};
 use mujoco_engine::model::JointType;
 use mujoco_engine::{Data, Model};
 
@@ -23,6 +23,8 @@ pub struct Start<'a> {
     pub constants: &'a mut Vec<f64>,
     /// Whether this reset seeded the generator.
     pub seeded: bool,
+    /// The options of the reset, which the task has [checked](SimTask::check_options).
+    pub options: &'a Kwargs,
 }
 
 /// The largest number of states that [`draw_apart`](Start::draw_apart) draws.

@@ -3,13 +3,13 @@
 use std::collections::BTreeMap;
 use std::fmt;
 
-use gym_core::{Array, Result};
+use gym_core::{Array, Goals, Kwargs, Result};
 use mujoco_engine::lanes::Derived;
 use mujoco_engine::{CompiledModel, Data, Model};
 use serde::ser::SerializeMap;
 use serde::{Deserialize, Serialize, Serializer};
 
-use crate::{Observation, Simulation, Start};
+use crate::{Observation, Rng, Simulation, Start};
 
 /// Takes an entry of `info`.
 pub type Visit<'a> = &'a mut dyn FnMut(&str, f64);
@@ -17,8 +17,18 @@ pub type Visit<'a> = &'a mut dyn FnMut(&str, f64);
 /// A task on a model: starts, steps, rewards and observations. [`SimEnv`](crate::SimEnv) is its
 /// environment.
 ///
-/// A task holds constants only: the state is the [`Data`], and what a step measured.
+/// A task holds constants only: the state is the [`Data`], and what a step measured. What a task
+/// remembers beside the model's state, such as a goal, is the data's `userdata`.
 pub trait SimTask: fmt::Debug + Send + Sync + 'static {
+    /// Checks the [options](field@gym_core::Reset::options) of a reset, before anything changes.
+    ///
+    /// # Errors
+    /// [`Error::InvalidArgument`](gym_core::Error::InvalidArgument) for an option with a bad value.
+    fn check_options(&self, options: &Kwargs) -> Result<()> {
+        let _ = options;
+        Ok(())
+    }
+
     /// Sets the positions and velocities of a new episode. The data is in the model's initial
     /// configuration; what follows from the state is computed afterwards.
     ///
@@ -34,6 +44,35 @@ pub trait SimTask: fmt::Debug + Send + Sync + 'static {
     fn step(&self, simulation: &Simulation, d: &mut Data, action: &Array) -> Measured {
         simulation.step(d, action);
         Measured::new(self.reward(&simulation.model, d), self.is_over(d))
+    }
+
+    /// Changes the state before a step, such as by limiting velocities. To do so twice must equal
+    /// doing it once.
+    fn prepare(&self, d: &mut Data) {
+        let _ = d;
+    }
+
+    /// Follows a step that was observed: draws another goal, for instance. The reward can still
+    /// change.
+    fn follow(&self, d: &mut Data, rng: &mut Rng, measured: &mut Measured) {
+        let _ = (d, rng, measured);
+    }
+
+    /// Sets derived arrays that do not follow from the model, such as the place of a site that
+    /// shows a goal.
+    fn show(&self, d: &mut Data) {
+        let _ = d;
+    }
+
+    /// The number of numbers that the task remembers in `userdata`; they are 0 before
+    /// [`start`](Self::start).
+    fn remembers(&self) -> usize {
+        0
+    }
+
+    /// The rewards of goals, for a task with goals.
+    fn goals(&self) -> Option<&dyn Goals> {
+        None
     }
 
     /// The reward of the step that led to this state, for tasks without a [`step`](Self::step) of
@@ -59,6 +98,12 @@ pub trait SimTask: fmt::Debug + Send + Sync + 'static {
         visit: Visit<'_>,
     ) {
         let _ = (simulation, d, measured, visit);
+    }
+
+    /// The last entry of `info`, `success`: after a step, or with `None` after a reset.
+    fn success(&self, d: &Data, measured: Option<&Measured>) -> Option<bool> {
+        let _ = (d, measured);
+        None
     }
 
     /// The entry of `info` after which lengths and velocities of the tendons are inserted; `None`

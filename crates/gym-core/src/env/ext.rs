@@ -5,7 +5,7 @@ use std::any::TypeId;
 use gym_numerics::Seed;
 
 use crate::drawing::render::Rendered;
-use crate::env::{Env, Outcome, Step};
+use crate::env::{Env, Goals, Outcome, Step};
 use crate::spaces::Sampler;
 use crate::spec::Reset;
 use crate::value::{Element, Info, Result};
@@ -88,6 +88,11 @@ pub trait EnvExt: Env {
     /// ```
     fn layer<T: 'static>(&self) -> Option<&T> {
         self.any_layer(TypeId::of::<T>())?.downcast_ref()
+    }
+
+    /// The rewards of goals, within any wrappers; `None` for a task without goals.
+    fn goals(&self) -> Option<&dyn Goals> {
+        self.inspect()?.goals()
     }
 
     /// As [`layer`](Self::layer), mutable.

@@ -2,6 +2,7 @@
 
 use serde_json::Value as Json;
 
+use crate::env::Goals;
 use crate::value::{Error, Result};
 
 /// An environment that shows more than observations, and that can be changed while it runs:
@@ -72,6 +73,11 @@ pub trait Inspect {
     fn set_table(&mut self, table: Json) -> Result<()> {
         let _ = table;
         Err(fixed("table", "its dynamics are not a table"))
+    }
+
+    /// The rewards of goals, if the task has goals.
+    fn goals(&self) -> Option<&dyn Goals> {
+        None
     }
 }
 

@@ -20,6 +20,7 @@ mod configure;
 mod dynamics;
 pub mod equations;
 mod ext;
+mod goals;
 mod inspect;
 pub(crate) mod wrapper;
 
@@ -37,6 +38,7 @@ pub use boxed::BoxEnv;
 pub use configure::{Build, Configure, NoArguments};
 pub use dynamics::{Dynamics, Stateful, Task, Transition, read_state};
 pub use ext::EnvExt;
+pub use goals::Goals;
 pub use inspect::Inspect;
 pub use wrapper::Wrapper;
 

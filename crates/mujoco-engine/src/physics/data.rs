@@ -48,6 +48,9 @@ pub struct Data {
     pub qacc_warmstart: Vec<f64>,
     /// Accelerations (nv).
     pub qacc: Vec<f64>,
+    /// Numbers of the user, of any length: the engine stores and clones them, and
+    /// [`reset`](Self::reset) removes them.
+    pub userdata: Vec<f64>,
 
     /// Positions of the bodies.
     pub xpos: Vec<[f64; 3]>,
@@ -210,6 +213,8 @@ struct Stored {
     state: State,
     /// The state from which the last call started, if it differs from the current one.
     before: Option<State>,
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    userdata: Vec<f64>,
 }
 
 impl Serialize for Data {
@@ -221,6 +226,7 @@ impl Serialize for Data {
             contact_forces: self.contact_forces,
             state,
             before,
+            userdata: self.userdata.clone(),
         }
         .serialize(serializer)
     }
@@ -233,12 +239,14 @@ impl<'de> Deserialize<'de> for Data {
             contact_forces,
             state,
             before,
+            userdata,
         } = Stored::deserialize(deserializer)?;
         let before = before.unwrap_or_else(|| state.clone());
         let mut data = Self {
             last,
             contact_forces,
             before,
+            userdata,
             ..Self::default()
         };
         data.set(&state);
@@ -344,6 +352,7 @@ impl Data {
         self.clear(m);
         (self.last, self.contact_forces) = (None, false);
         (self.stale, self.is_ahead) = (false, false);
+        self.userdata.clear();
     }
 
     /// [`reset`](Self::reset) without clearing the record of the last call.

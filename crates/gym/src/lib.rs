@@ -42,7 +42,9 @@ pub use gym_minigrid as minigrid;
 pub use gym_mujoco as mujoco;
 #[cfg(feature = "policies")]
 pub use gym_policies as policies;
-#[cfg(any(feature = "control", feature = "mujoco"))]
+#[cfg(feature = "robotics")]
+pub use gym_robotics as robotics;
+#[cfg(any(feature = "control", feature = "mujoco", feature = "robotics"))]
 pub use gym_sim as sim;
 #[cfg(feature = "toytext")]
 pub use gym_toytext as toytext;

@@ -153,7 +153,13 @@ fn frames_of_pygame_do_not_allocate() {
     // the other environments do not draw with pygame's calls: `tiny-skia` draws them, or they
     // collect tiles for each frame
     let is_pygame = |registration: &&Registration| {
-        let others = ["gym-control", "gym-mujoco", "gym-toytext", "gym-minigrid"];
+        let others = [
+            "gym-control",
+            "gym-mujoco",
+            "gym-robotics",
+            "gym-toytext",
+            "gym-minigrid",
+        ];
         !others.contains(&registration.source.package)
     };
     for registration in registry::self_contained().iter().filter(is_pygame) {

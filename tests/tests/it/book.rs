@@ -118,8 +118,15 @@ fn the_readme_names_every_environment() {
     let readme = read("README.md");
     let names = gym::registry::self_contained();
     let names = names.iter().map(gym::Registration::id);
-    // 211 ids are named by their prefix
-    let prefixes = ["MiniGrid-", "BabyAI-", "dm_control/"];
+    // 299 ids are named by their prefix
+    let prefixes = [
+        "MiniGrid-",
+        "BabyAI-",
+        "dm_control/",
+        "PointMaze_",
+        "AntMaze_",
+        "AdroitHand",
+    ];
     let (many, names): (Vec<_>, Vec<_>) =
         names.partition(|id| prefixes.iter().any(|prefix| id.starts_with(prefix)));
     for prefix in prefixes {

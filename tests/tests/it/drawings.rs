@@ -19,10 +19,10 @@ fn drawings_are_as_kept() {
     let is_older = |registration: &Registration| {
         registration.source.package == "gym-mujoco" && !registration.id().ends_with("-v5")
     };
-    // gym-minigrid compares its pictures with checksums of minigrid's, and gym-control draws as
-    // gym-mujoco does
+    // gym-minigrid compares its pictures with checksums of minigrid's, and gym-control and
+    // gym-robotics draw as gym-mujoco does
     let is_grid = |registration: &gym::Registration| {
-        ["gym-control", "gym-minigrid"].contains(&registration.source.package)
+        ["gym-control", "gym-minigrid", "gym-robotics"].contains(&registration.source.package)
     };
     for registration in all
         .iter()

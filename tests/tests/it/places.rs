@@ -16,7 +16,7 @@ const PLACES: [&str; 3] = [
 const LINES: usize = 8;
 
 /// Files that may name the crates of some families, each with the reason.
-const EXCEPTIONS: [(&str, &str); 12] = [
+const EXCEPTIONS: [(&str, &str); 13] = [
     (
         "crates/gym-cli/Cargo.toml",
         "the bridge, whose environments are written in Python",
@@ -42,6 +42,10 @@ const EXCEPTIONS: [(&str, &str); 12] = [
     (
         "crates/gym-python/src/",
         "Gymnasium's types of numbers and its errors",
+    ),
+    (
+        "crates/gym-robotics/",
+        "AntMaze is Gymnasium's Ant in a maze",
     ),
     (
         "crates/gym-web/Cargo.toml",

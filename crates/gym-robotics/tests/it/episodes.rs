@@ -1,0 +1,109 @@
+//! Episodes of Gymnasium-Robotics, by checksum: `record.py` recorded them.
+
+use gym_core::{Env, EnvExt, Kwargs, RandomState, Reset, Space, Value, builder};
+use gym_robotics as _;
+
+/// Adds the observation's arrays to `crc`, in the order of their keys.
+fn observe(crc: &mut crc32fast::Hasher, observation: &Value) {
+    match observation {
+        Value::Dict(entries) => entries.iter().for_each(|(_, part)| observe(crc, part)),
+        array => crc.update(&array.as_array().unwrap().to_bytes()),
+    }
+}
+
+/// The checksum of the rewards of eight goals near the desired one.
+fn rewards(env: &impl EnvExt, seed: u32, observation: &Value) -> u32 {
+    let goals = env.goals().unwrap();
+    let goal = observation.get("desired_goal").unwrap();
+    let goal = goal.as_slice::<f64>().unwrap().repeat(8);
+    let mut noise = RandomState::new(seed + 1);
+    let noisy = |x: &f64| x + 4.0 * (0.0 + 0.1 * noise.standard_normal());
+    let near: Vec<f64> = goal.iter().map(noisy).collect();
+    let mut rewards = [0.0; 8];
+    goals.compute_rewards(&near, &goal, &mut rewards).unwrap();
+    let mut crc = crc32fast::Hasher::new();
+    rewards
+        .iter()
+        .for_each(|reward| crc.update(&reward.to_le_bytes()));
+    crc.finalize()
+}
+
+/// Plays the episode of a line. Returns the first checksum of the line that differs, and the
+/// observation of the step before.
+fn difference(line: &str) -> Option<String> {
+    let mut words = line.split(' ');
+    let (id, kwargs, mujoco) = (words.next()?, words.next()?, words.next()?);
+    let seed = words.next()?.parse::<u32>().unwrap();
+    let mut kwargs: Kwargs = serde_json::from_str(kwargs).unwrap();
+    let options = kwargs.remove("options").unwrap_or_default();
+    let builder = builder(id).args(kwargs);
+    let mut env = match builder.arg("mujoco", mujoco).build() {
+        Ok(env) => env,
+        Err(error) => return Some(format!("{id}: {error}")),
+    };
+    let Space::Box(actions) = env.action_space() else {
+        panic!("{id} takes no vectors");
+    };
+    let bounds: Vec<(f64, f64)> = actions
+        .low()
+        .iter_f64()
+        .zip(actions.high().iter_f64())
+        .collect();
+    let mut rng = RandomState::new(seed);
+    let mut crc = crc32fast::Hasher::new();
+    let mut reset = Reset::seed(u64::from(seed));
+    reset
+        .options
+        .extend(options.as_object().cloned().unwrap_or_default());
+    let mut observation = env.reset(reset).unwrap();
+    observe(&mut crc, &observation);
+    let mut step = 0;
+    for mark in words {
+        let (at, expected) = mark.split_once(':').unwrap();
+        let found = if at == "goals" {
+            rewards(&env, seed, &observation)
+        } else {
+            while step < at.parse().unwrap() {
+                step += 1;
+                let action = bounds
+                    .iter()
+                    .map(|(low, high)| rng.uniform(*low, *high) as f32);
+                let action = Value::from(action.collect::<Vec<f32>>());
+                let outcome = env.step_into(&action, &mut observation).unwrap();
+                observe(&mut crc, &observation);
+                crc.update(&outcome.reward.to_le_bytes());
+                crc.update(&[outcome.terminated.into(), outcome.truncated.into()]);
+                if outcome.done() {
+                    env.reset_into(&().into(), &mut observation).unwrap();
+                    observe(&mut crc, &observation);
+                }
+            }
+            crc.clone().finalize()
+        };
+        if format!("{found:08x}") != expected {
+            return Some(format!(
+                "{id}, MuJoCo {mujoco}, seed {seed}, {at}: {observation}"
+            ));
+        }
+    }
+    None
+}
+
+#[test]
+fn episodes_are_the_packages() {
+    let more = std::env::var_os("GYM_ROBOTICS_EPISODES");
+    let more = more.map(|path| std::fs::read_to_string(path).unwrap());
+    let text = include_str!("../episodes.txt");
+    let lines = text
+        .lines()
+        .chain(more.as_deref().unwrap_or_default().lines());
+    let lines: Vec<&str> = lines.collect();
+    let unlike: Vec<String> = lines.iter().filter_map(|line| difference(line)).collect();
+    assert!(
+        unlike.is_empty(),
+        "{} of {}:\n{}",
+        unlike.len(),
+        lines.len(),
+        unlike.join("\n")
+    );
+}

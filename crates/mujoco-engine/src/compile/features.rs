@@ -1,15 +1,13 @@
-//! Checks references between objects, and refuses features that the engine does not support.
+//! Checks references between objects.
 
 use super::check::same;
 use crate::Result;
 use crate::error::ensure;
 use crate::model::{
-    CompiledModel, DynamicsType, EqualityType, GeomType, ObjectType, SensorType, TransmissionType,
-    WrapType,
+    CompiledModel, DynamicsType, EqualityType, ObjectType, TransmissionType, WrapType,
 };
 
-/// Checks ids of actuators, tendons, equality constraints, sensors and pairs, and refuses
-/// unsupported features.
+/// Checks ids of actuators, tendons, equality constraints, sensors and pairs.
 pub(super) fn check(m: &CompiledModel) -> Result<()> {
     actuators(m)?;
     tendons(m)?;
@@ -27,7 +25,7 @@ pub(super) fn check(m: &CompiledModel) -> Result<()> {
             m.pair_dim[i]
         );
     }
-    unsupported(m)
+    Ok(())
 }
 
 /// The number of objects of a kind.
@@ -172,19 +170,5 @@ fn sensors(m: &CompiledModel) -> Result<()> {
         );
         next += m.sensor_dim[i];
     }
-    Ok(())
-}
-
-/// Refuses unsupported features.
-fn unsupported(m: &CompiledModel) -> Result<()> {
-    let sees = m.sensor_type.contains(&SensorType::Rangefinder);
-    ensure!(
-        !(sees && m.geom_type.contains(&GeomType::Mesh)),
-        "rangefinders, which see meshes, in a model with meshes: not supported"
-    );
-    ensure!(
-        !(sees && m.geom_type.contains(&GeomType::Hfield)),
-        "rangefinders, which see height fields, in a model with height fields: not supported"
-    );
     Ok(())
 }

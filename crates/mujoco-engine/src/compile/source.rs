@@ -27,8 +27,7 @@ impl Model {
     /// `custom`, `user`, `group`, textures and skins are ignored. Text that is not quite XML (attributes
     /// without a space between them, `&` in values, `--` in comments) is read where libmujoco reads it,
     /// and a file that is a part of a model, with `body` outermost, is a model without the part.
-    /// Rangefinders in a model with meshes or height fields,
-    /// composites, flexes and plugins are errors, and so are more than 1000 objects of a kind (sites:
+    /// Composites, flexes and plugins are errors, and so are more than 1000 objects of a kind (sites:
     /// 200,000 elements together) and more than 8 MiB of names, both with the copies that `replicate`
     /// makes, and files of meshes or of height fields with more than 256 MiB together.
     ///

@@ -10,5 +10,7 @@ mod hfields;
 mod meshes;
 mod mjcf;
 mod numbers;
+mod rays;
 mod rooms;
+mod steps;
 mod worlds;

@@ -1,5 +1,7 @@
 //! Intersections of rays with geoms.
 
+mod surface;
+
 use crate::math::spatial::{MINVAL, Mat3, Vec3, dot, rotate_back, sub};
 use crate::model::GeomType;
 use crate::{Data, Model};
@@ -24,7 +26,11 @@ pub fn ray(
             continue;
         }
         let place = (d.geom_xpos[g], &d.geom_xmat[g]);
-        let distance = ray_shape(m.geom_type[g].into(), place, m.geom_size[g], point, along);
+        let distance = match m.geom_type[g] {
+            GeomType::Mesh => surface::mesh(m, g, place, point, along),
+            GeomType::Hfield => surface::hfield(m, g, place, point, along),
+            kind => ray_shape(kind.into(), place, m.geom_size[g], point, along),
+        };
         if distance >= 0.0 && nearest.is_none_or(|(least, _)| distance < least) {
             nearest = Some((distance, g));
         }
@@ -46,8 +52,7 @@ pub fn ray_shape(
         return -1.0;
     };
     let local = || (rotate_back(mat, sub(point, pos)), rotate_back(mat, along));
-    // whether the ray meets the bounding sphere of the shape
-    let near = |square: f64| sphere(sub(point, pos), along, square) >= 0.0;
+    let near = |square: f64| near(pos, square, point, along);
     let [r, half, _] = size;
     match shape {
         GeomType::Sphere => sphere(sub(point, pos), along, r * r),
@@ -65,6 +70,11 @@ pub fn ray_shape(
         }
         _ => -1.0,
     }
+}
+
+/// Whether a ray meets a sphere around a shape, given by the square of its radius.
+fn near(pos: Vec3, square: f64, point: Vec3, along: Vec3) -> bool {
+    sphere(sub(point, pos), along, square) >= 0.0
 }
 
 /// The solutions of `a x^2 + 2 b x + c = 0` in ascending order; -1 twice if there are none.
@@ -157,19 +167,25 @@ fn cylinder(size: Vec3, (p, v): (Vec3, Vec3)) -> f64 {
     if round >= 0.0 { nearer(x, round) } else { x }
 }
 
-fn cuboid(size: Vec3, (p, v): (Vec3, Vec3)) -> f64 {
-    let mut x = -1.0;
+/// The distances of the faces of a box; -1 for those that the ray does not meet.
+fn faces(size: Vec3, (p, v): (Vec3, Vec3)) -> [f64; 6] {
+    let mut found = [-1.0; 6];
     for (i, [j, k]) in [[1, 2], [0, 2], [0, 1]].into_iter().enumerate() {
         if v[i].abs() <= MINVAL {
             continue;
         }
-        for end in [-size[i], size[i]] {
+        for (side, end) in [-size[i], size[i]].into_iter().enumerate() {
             let solution = (end - p[i]) / v[i];
             let within = |k: usize| (p[k] + solution * v[k]).abs() <= size[k];
             if solution >= 0.0 && within(j) && within(k) {
-                x = nearer(x, solution);
+                found[2 * i + side] = solution;
             }
         }
     }
-    x
+    found
+}
+
+fn cuboid(size: Vec3, ray: (Vec3, Vec3)) -> f64 {
+    let met = faces(size, ray).into_iter().filter(|x| *x >= 0.0);
+    met.fold(-1.0, nearer)
 }

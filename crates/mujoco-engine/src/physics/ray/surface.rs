@@ -1,0 +1,201 @@
+//! Intersections of rays with the triangles of meshes and height fields.
+
+use super::{cuboid, faces, near};
+use crate::Model;
+use crate::math::spatial::{
+    MINVAL, Mat3, Vec3, add_scaled, column, cross, dot, normalize, rotate_back, sub,
+};
+
+/// A ray in the frame of a geom, and two directions that are orthogonal to it.
+struct Local {
+    from: Vec3,
+    along: Vec3,
+    across: [Vec3; 2],
+}
+
+impl Local {
+    fn new((pos, mat): (Vec3, &Mat3), point: Vec3, along: Vec3) -> Self {
+        let from = rotate_back(mat, sub(point, pos));
+        let along = rotate_back(mat, along);
+        let [x, y, z] = along.map(f64::abs);
+        let mut first = [1.0; 3];
+        first[match () {
+            () if x >= y && x >= z => 0,
+            () if y >= z => 1,
+            () => 2,
+        }] = 0.0;
+        let part = -dot(along, first) / dot(along, along);
+        let second = normalize(add_scaled(first, along, part)).0;
+        let first = normalize(cross(second, along)).0;
+        Self {
+            from,
+            along,
+            across: [first, second],
+        }
+    }
+
+    fn at(&self, distance: f64, axis: usize) -> f64 {
+        self.from[axis] + distance * self.along[axis]
+    }
+
+    /// The distance to a triangle; `None` if the ray does not meet it. It may be negative.
+    fn triangle(&self, corners: [Vec3; 3]) -> Option<f64> {
+        // the corners in the plane orthogonal to the ray
+        let planar =
+            corners.map(|corner| self.across.map(|axis| dot(axis, sub(corner, self.from))));
+        let beside = |k: usize| {
+            planar.iter().all(|corner| corner[k] > 0.0)
+                || planar.iter().all(|corner| corner[k] < 0.0)
+        };
+        if beside(0) || beside(1) {
+            return None;
+        }
+        let [p, q, r] = planar;
+        let [a, b, c, d] = [p[0] - r[0], q[0] - r[0], p[1] - r[1], q[1] - r[1]];
+        let (x, y) = (-r[0], -r[1]);
+        let det = a * d - b * c;
+        if det.abs() < MINVAL {
+            return None;
+        }
+        let (first, second) = ((d * x - b * y) / det, (-c * x + a * y) / det);
+        if first < 0.0 || second < 0.0 || first + second > 1.0 {
+            return None;
+        }
+        let [p, q, r] = corners;
+        let normal = cross(sub(p, r), sub(q, r));
+        let slope = dot(self.along, normal);
+        (slope.abs() >= MINVAL).then(|| -dot(sub(self.from, r), normal) / slope)
+    }
+}
+
+/// Keeps the smaller distance that is not negative; a negative `found` means none yet.
+fn keep(found: &mut f64, distance: Option<f64>) {
+    if let Some(distance) = distance
+        && distance >= 0.0
+        && (*found < 0.0 || distance < *found)
+    {
+        *found = distance;
+    }
+}
+
+/// The distance at which a ray meets the triangles of a mesh; -1 for none: MuJoCo's `mj_rayMesh`.
+pub(super) fn mesh(m: &Model, g: usize, place: (Vec3, &Mat3), point: Vec3, along: Vec3) -> f64 {
+    let Ok(mesh) = usize::try_from(m.geom_dataid[g]) else {
+        return -1.0;
+    };
+    let ray = Local::new(place, point, along);
+    let size = m.geom_size[g];
+    let square = dot(size, size);
+    if !near(place.0, square, point, along) || cuboid(size, (ray.from, ray.along)) < 0.0 {
+        return -1.0;
+    }
+    let (all, first) = (&*m.meshes, m.meshes.mesh_vertadr[mesh]);
+    let start = all.mesh_faceadr[mesh];
+    let mut found = -1.0;
+    for corners in &all.mesh_face[start..start + all.mesh_facenum[mesh]] {
+        let corner = |number: u32| all.mesh_vert[first + number as usize].map(f64::from);
+        keep(&mut found, ray.triangle(corners.map(corner)));
+    }
+    found
+}
+
+/// The distance at which a ray meets a height field: its base, its surface or its sides; -1 for
+/// none: MuJoCo's `mj_rayHfield`.
+pub(super) fn hfield(m: &Model, g: usize, place: (Vec3, &Mat3), point: Vec3, along: Vec3) -> f64 {
+    let Ok(id) = usize::try_from(m.geom_dataid[g]) else {
+        return -1.0;
+    };
+    let all = &*m.hfields;
+    let [x, y, height, base] = all.hfield_size[id];
+    let (rows, columns) = (all.hfield_nrow[id], all.hfield_ncol[id]);
+    let data = &all.hfield_data[all.hfield_adr[id]..][..rows * columns];
+    let (pos, mat) = place;
+    let up = column(mat, 2);
+    // the faces of a box around the base or the surface
+    let meet = |shift: f64, size: Vec3| {
+        let centre = std::array::from_fn(|k| pos[k] + up[k] * shift * 0.5);
+        let local = (
+            rotate_back(mat, sub(point, centre)),
+            rotate_back(mat, along),
+        );
+        let square = dot(size, size);
+        if near(centre, square, point, along) {
+            faces(size, local)
+        } else {
+            [-1.0; 6]
+        }
+    };
+    let least = |faces: [f64; 6]| {
+        let mut found = -1.0;
+        faces
+            .into_iter()
+            .for_each(|face| keep(&mut found, Some(face)));
+        found
+    };
+    let mut found = least(meet(-base, [x, y, base * 0.5]));
+    let top = meet(height, [x, y, height * 0.5]);
+    let first = least(top);
+    if first < 0.0 || rows < 2 || columns < 2 {
+        return found;
+    }
+    let ray = Local::new(place, point, along);
+    let mut segment = [0.0, first];
+    for face in top {
+        if face > segment[1] {
+            segment = [first, face];
+        }
+    }
+    let dx = 2.0 * x / (columns as f64 - 1.0);
+    let dy = 2.0 * y / (rows as f64 - 1.0);
+    let cells = |axis: usize, half: f64, step: f64, count: usize| {
+        let ends = segment.map(|distance| (ray.at(distance, axis) + half) / step);
+        let low = f64::min(ends[0], ends[1]).floor() - 1.0;
+        let high = f64::max(ends[0], ends[1]).ceil() + 1.0;
+        low.max(0.0) as usize..(high.max(0.0) as usize).min(count - 1)
+    };
+    let corner = |row: usize, column: usize| {
+        [
+            dx * column as f64 - x,
+            dy * row as f64 - y,
+            f64::from(data[row * columns + column]) * height,
+        ]
+    };
+    for row in cells(1, y, dy, rows) {
+        for column in cells(0, x, dx, columns) {
+            let [near, far] = [corner(row, column), corner(row + 1, column + 1)];
+            let right = corner(row, column + 1);
+            keep(&mut found, ray.triangle([near, right, far]));
+            keep(
+                &mut found,
+                ray.triangle([near, far, corner(row + 1, column)]),
+            );
+        }
+    }
+    for (side, distance) in top[..4].iter().copied().enumerate() {
+        if distance < 0.0 || (found >= 0.0 && distance >= found) {
+            continue;
+        }
+        // the height of the border, between two points of the grid
+        let (axis, half, step, count) = if side < 2 {
+            (1, y, dy, rows)
+        } else {
+            (0, x, dx, columns)
+        };
+        let place = (ray.at(distance, axis) + half) / step;
+        let before = place.floor().min(count as f64 - 2.0).max(0.0);
+        let border = |k: usize| {
+            let number = before as usize + k;
+            f64::from(match side {
+                0 => data[number * columns],
+                1 => data[number * columns + columns - 1],
+                2 => data[number],
+                _ => data[(rows - 1) * columns + number],
+            })
+        };
+        let edge = border(0) * (before + 1.0 - place) + border(1) * (place - before);
+        if ray.at(distance, 2) / height < edge {
+            found = distance;
+        }
+    }
+    found
+}

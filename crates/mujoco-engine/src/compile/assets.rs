@@ -1,21 +1,20 @@
 //! The meshes of a model: read, compiled, and added to its arrays.
 
 use std::collections::HashSet;
-use std::mem::take;
 
 use super::body::address;
+use super::geom::is_visual;
 use super::mesh::{Format, Mesh, Source};
 use crate::Result;
 use crate::mjcf::files::{self, MAX_ASSETS};
 use crate::mjcf::spec::{self, Spec};
 use crate::model::{CompiledModel, GeomType, Meshes};
 
-/// Adds the meshes, and returns what is left of them: without their lists.
-pub(super) fn add_meshes(m: &mut CompiledModel, spec: &Spec) -> Result<Vec<Mesh>> {
+/// Reads and compiles the meshes.
+pub(super) fn compile_meshes(spec: &Spec) -> Result<Vec<Mesh>> {
     let colliding = colliding(spec);
     let (mut left, mut names) = (MAX_ASSETS, HashSet::new());
     let mut meshes = Vec::with_capacity(spec.meshes.len());
-    let all = &mut *m.meshes;
     for mesh in &spec.meshes {
         let (place, name) = (&mesh.place, &*mesh.name);
         if !names.insert(name) {
@@ -30,9 +29,7 @@ pub(super) fn add_meshes(m: &mut CompiledModel, spec: &Spec) -> Result<Vec<Mesh>
         let mut options = mesh.options;
         options.collides = colliding.contains(name);
         let compiled = Mesh::compile(source, &options, spec.revision);
-        let mut compiled = compiled.map_err(|error| fault(error.to_string()))?;
-        add(all, &mut compiled);
-        meshes.push(compiled);
+        meshes.push(compiled.map_err(|error| fault(error.to_string()))?);
     }
     Ok(meshes)
 }
@@ -77,29 +74,46 @@ fn source(mesh: &spec::Mesh, spec: &Spec, left: &mut u64) -> Result<Source, Stri
     Ok(source)
 }
 
-/// Moves the lists of a mesh to those of all.
-fn add(all: &mut Meshes, mesh: &mut Mesh) {
+/// Adds the meshes to the model whose geoms refer to them; with `discardvisual` only those that a geom
+/// has.
+pub(super) fn add_meshes(m: &mut CompiledModel, spec: &Spec, meshes: Vec<Mesh>) {
+    let geoms = spec.bodies.iter().flat_map(|body| &body.geoms);
+    let kept = geoms.filter(|geom| !is_visual(geom, spec));
+    let named: HashSet<&str> = kept.filter_map(|geom| geom.mesh.as_deref()).collect();
+    let mut numbers = Vec::with_capacity(meshes.len());
+    for (mesh, about) in meshes.into_iter().zip(&spec.meshes) {
+        numbers.push(m.nmesh() as i32);
+        if !spec.compiler.discard_visual || named.contains(&*about.name) {
+            add(&mut m.meshes, mesh);
+        }
+    }
+    for (id, shape) in m.geom_dataid.iter_mut().zip(&m.geom_type) {
+        if let (Ok(number), true) = (usize::try_from(*id), *shape != GeomType::Hfield) {
+            *id = numbers[number];
+        }
+    }
+}
+
+/// Adds the lists of a mesh to those of all.
+fn add(all: &mut Meshes, mut mesh: Mesh) {
     all.mesh_vertadr.push(all.mesh_vert.len());
     all.mesh_vertnum.push(mesh.vertices.len() / 3);
-    all.mesh_vert.extend(take(&mut mesh.vertices).as_chunks().0);
+    all.mesh_vert.extend(mesh.vertices.as_chunks().0);
     all.mesh_normaladr.push(all.mesh_normal.len());
     all.mesh_normalnum.push(mesh.normals.len() / 3);
-    all.mesh_normal
-        .extend(take(&mut mesh.normals).as_chunks().0);
+    all.mesh_normal.extend(mesh.normals.as_chunks().0);
     all.mesh_texcoordadr
         .push(address(all.mesh_texcoord.len(), mesh.texture.len() / 2));
     all.mesh_texcoordnum.push(mesh.texture.len() / 2);
-    all.mesh_texcoord
-        .extend(take(&mut mesh.texture).as_chunks().0);
+    all.mesh_texcoord.extend(mesh.texture.as_chunks().0);
     all.mesh_faceadr.push(all.mesh_face.len());
     all.mesh_facenum.push(mesh.faces.len());
     let numbers = |corners: &[i32; 3]| corners.map(|number| number as u32);
-    all.mesh_face
-        .extend(take(&mut mesh.faces).iter().map(numbers));
-    let corners = take(&mut mesh.face_normals);
+    all.mesh_face.extend(mesh.faces.iter().map(numbers));
+    let corners = mesh.face_normals;
     all.mesh_facenormal
         .extend(corners.as_chunks().0.iter().map(numbers));
-    let corners = take(&mut mesh.face_texture);
+    let corners = mesh.face_texture;
     all.mesh_facetexcoord
         .extend(corners.as_chunks().0.iter().map(numbers));
     all.mesh_facetexcoord.resize(all.mesh_face.len(), [0; 3]);
@@ -116,13 +130,13 @@ fn add(all: &mut Meshes, mesh: &mut Mesh) {
     all.mesh_polyadr.push(all.mesh_polynormal.len());
     all.mesh_polynum.push(mesh.polygons.len());
     all.mesh_polynormal.append(&mut mesh.polygon_normals);
-    for corners in take(&mut mesh.polygons) {
+    for corners in mesh.polygons {
         all.mesh_polyvertadr.push(all.mesh_polyvert.len());
         all.mesh_polyvertnum.push(corners.len());
         all.mesh_polyvert
             .extend(corners.iter().map(|corner| *corner as u32));
     }
-    for polygons in take(&mut mesh.polygons_of_vertex) {
+    for polygons in mesh.polygons_of_vertex {
         all.mesh_polymapadr.push(all.mesh_polymap.len());
         all.mesh_polymapnum.push(polygons.len());
         all.mesh_polymap

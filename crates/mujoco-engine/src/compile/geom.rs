@@ -142,7 +142,7 @@ pub(super) fn add_geom(
 }
 
 /// Whether a geom has no contacts, and no other element refers to it.
-fn is_visual(geom: &Geom, spec: &Spec) -> bool {
+pub(super) fn is_visual(geom: &Geom, spec: &Spec) -> bool {
     let is = |name: &String| geom.name.as_ref() == Some(name);
     let wraps = spec.tendons.iter().flat_map(|tendon| &tendon.wraps);
     let sensors = spec.sensors.iter();

@@ -57,7 +57,7 @@ pub(super) fn compile(spec: &Spec) -> Result<Box<CompiledModel>> {
         opt: spec.option.clone(),
         ..CompiledModel::default()
     });
-    let meshes = assets::add_meshes(&mut m, spec)?;
+    let meshes = assets::compile_meshes(spec)?;
     hfields::add_hfields(&mut m, spec)?;
     let kept = fuse::kept(spec);
     let mut looks = Vec::new();
@@ -68,6 +68,7 @@ pub(super) fn compile(spec: &Spec) -> Result<Box<CompiledModel>> {
         let moved = |pose| spec.revision.fuses_first().then_some(pose);
         looks.extend(fused.map(|&(body, pose)| (id, body, moved(pose))));
     }
+    assets::add_meshes(&mut m, spec, meshes);
     scale_mass(&mut m, spec.compiler.total_mass);
     check_mass(&m, &kept)?;
     mark_simple(&mut m);

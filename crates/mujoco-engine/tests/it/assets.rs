@@ -378,3 +378,24 @@ fn attributes_that_are_no_meshes_are_refused() {
         );
     }
 }
+
+/// `discardvisual` drops meshes that only pictures show, as in libmujoco; before 3.17, a shape keeps
+/// the mesh that it was fitted to.
+#[test]
+fn discarded_meshes_leave_no_gap() {
+    let mesh = |name| format!("<mesh name=\"{name}\" vertex=\"0 0 0 1 0 0 0 1 0 0 0 1\"/>");
+    let meshes: String = ["shown", "fitted", "unused", "touched", "paired"]
+        .map(mesh)
+        .concat();
+    let text = format!(
+        "<mujoco><compiler discardvisual=\"true\"/><asset>{meshes}</asset><worldbody><body><freejoint/>\
+         <geom type=\"mesh\" mesh=\"shown\" contype=\"0\" conaffinity=\"0\"/><geom type=\"box\" mesh=\"fitted\"/>\
+         <geom name=\"t\" type=\"mesh\" mesh=\"touched\"/></body>\
+         <geom name=\"p\" type=\"mesh\" mesh=\"paired\" contype=\"0\" conaffinity=\"0\"/></worldbody>\
+         <contact><pair geom1=\"t\" geom2=\"p\"/></contact></mujoco>"
+    );
+    for (version, ids) in [("3.12.0", [2, 0, 1]), ("4.0.0", [2, -1, 1])] {
+        let m = Model::from_xml_with(&text, version.parse().unwrap()).unwrap();
+        assert_eq!((m.nmesh(), &m.geom_dataid[..]), (3, &ids[..]), "{version}");
+    }
+}

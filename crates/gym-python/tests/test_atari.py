@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import copy
 import itertools
+import os
 import pickle
 from pathlib import Path
 from typing import Any
@@ -157,6 +158,9 @@ def test_all_that_is_public_is_there(tmp_path: Path) -> None:
         for env in (ours, theirs):
             with pytest.raises(RuntimeError):
                 env.ale.isSupportedROM(path)
+    os.mkfifo(tmp_path / "pipe")  # which nobody writes
+    with pytest.raises(RuntimeError, match="not a regular file"):
+        ours.ale.isSupportedROM(tmp_path / "pipe")
     states = [env.clone_state() for env in (ours, theirs)]
     assert pickle.loads(pickle.dumps(states[0])).getCurrentMode() == 3
     answers = []

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import operator
 import os
+import stat
 import struct
 import zlib
 from collections.abc import Mapping
@@ -224,6 +225,9 @@ class Ale:
     def isSupportedROM(path: str | bytes | os.PathLike[str]) -> str | None:
         """The name of the game of a ROM file; ``None`` for an unknown file. Raises ``RuntimeError`` if it cannot be read."""
         try:
+            # opening a pipe would wait for a writer
+            if not stat.S_ISREG(os.stat(path).st_mode):
+                raise RuntimeError(f"the ROM {os.fsdecode(path)} is not a regular file")
             with open(path, "rb") as file:
                 return _native.Ale.supported(file.read(_LONGEST_ROM + 1))
         except OSError as error:

@@ -2,7 +2,7 @@
 
 use std::fmt::Display;
 
-use super::{features, hfields, meshes, values};
+use super::{features, hfields, meshes, textures, values};
 use crate::error::ensure;
 use crate::mjcf::MOST;
 use crate::model::{CompiledModel, GeomType, JointType};
@@ -41,6 +41,7 @@ pub(super) fn check(m: &CompiledModel) -> Result<()> {
     geoms(m)?;
     meshes::check(m)?;
     hfields::check(m)?;
+    textures::check(m)?;
     others(m)?;
     features::check(m)?;
     values::check(m)
@@ -117,9 +118,10 @@ fn lengths(m: &CompiledModel) -> Result<()> {
         m, m.ngeom(),
         geom_bodyid geom_contype geom_conaffinity geom_condim geom_priority geom_size geom_rbound
         geom_pos geom_quat geom_friction geom_solmix geom_solref geom_solimp geom_margin geom_gap
-        geom_rgba geom_matid geom_fluid
+        geom_rgba geom_group geom_matid geom_fluid
     );
-    same_length!(m, m.nsite(), site_pos site_quat site_type site_size site_rgba);
+    same_length!(m, m.mat_rgba.len(), mat_texid mat_texrepeat mat_texuniform mat_emission mat_specular mat_shininess);
+    same_length!(m, m.nsite(), site_pos site_quat site_type site_size site_rgba site_group);
     same_length!(
         m, m.cam_bodyid.len(),
         cam_mode cam_targetbodyid cam_pos cam_quat cam_fovy cam_projection cam_resolution cam_sensorsize

@@ -20,8 +20,8 @@ impl CompiledModel {
     pub(super) fn complete(&mut self) {
         let (nbody, njnt, nv, ngeom) = (self.nbody(), self.njnt(), self.nv(), self.ngeom());
         let (nu, ntendon, nkey) = (self.nu(), self.ntendon(), self.key_time.len());
-        let ncam = self.cam_bodyid.len();
-        let (nwrap, neq) = (self.wrap_objid.len(), self.neq());
+        let (ncam, nmat) = (self.cam_bodyid.len(), self.mat_rgba.len());
+        let (nwrap, neq, nsite) = (self.wrap_objid.len(), self.neq(), self.nsite());
         let (one, nothing) = (Parameters(padded(&[1.0])), Parameters::default());
         let m = self;
         arrays! { m, fill:
@@ -38,6 +38,13 @@ impl CompiledModel {
             ncam, [1; 2] => cam_resolution;
             ncam, [0.0; 2] => cam_sensorsize;
             ncam, [0.0; 4] => cam_intrinsic;
+            ngeom, 0 => geom_group;
+            nsite, 0 => site_group;
+            nmat, -1 => mat_texid;
+            nmat, [1.0; 2] => mat_texrepeat;
+            nmat, false => mat_texuniform;
+            nmat, 0.0 => mat_emission;
+            nmat, 0.5 => mat_specular mat_shininess;
             nu, TransmissionType::Joint => actuator_trntype;
             nu, DynamicsType::None => actuator_dyntype;
             nu, GainType::Fixed => actuator_gaintype;

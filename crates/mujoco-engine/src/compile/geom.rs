@@ -137,6 +137,7 @@ pub(super) fn add_geom(
     m.geom_margin.push(geom.margin);
     m.geom_gap.push(geom.gap);
     m.geom_rgba.push(single(geom.rgba));
+    m.geom_group.push(geom.group);
     m.geom_matid.push(if discards { -1 } else { material });
     Ok(inertia)
 }
@@ -294,6 +295,7 @@ pub(super) fn add_site(
     m.site_pos.push(pos);
     m.site_quat.push(quat);
     m.site_rgba.push(single(site.rgba));
+    m.site_group.push(site.group);
     Ok(())
 }
 

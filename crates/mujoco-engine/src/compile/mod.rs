@@ -7,7 +7,7 @@
 //! | `fuse` | bodies without joints as parts of their parents |
 //! | `inertia`, `fluid` | masses, principal axes, coefficients of shapes |
 //! | `hfields` | height fields of a model, from its text or files |
-//! | `mesh`, `hull`, `assets` | meshes of files; their convex hulls; the meshes of a model |
+//! | `mesh`, `hull`, `assets`, `textures` | meshes of files; their convex hulls; the meshes and textures of a model |
 //! | `constants` | fields that follow from others, by stages of the engine |
 //! | `complete`, `check`, `features`, `meshes`, `values` | fields left out; refusal of models that the engine cannot run |
 //! | `figures` | the model as a table |
@@ -35,6 +35,7 @@ mod meshes;
 mod sensor;
 mod source;
 mod tendon;
+mod textures;
 mod values;
 
 use std::collections::HashSet;
@@ -199,10 +200,11 @@ fn add_looks(
             .push(turned(outer, turned(light.frame, light.dir)));
     }
     let colors = spec.materials.iter().map(|material| material.rgba);
-    if !spec.compiler.discard_visual {
-        m.mat_rgba = colors.map(geom::single).collect();
+    if spec.compiler.discard_visual {
+        return Ok(());
     }
-    Ok(())
+    m.mat_rgba = colors.map(geom::single).collect();
+    textures::add_textures(m, spec)
 }
 
 /// Refuses two objects of a kind under one name.

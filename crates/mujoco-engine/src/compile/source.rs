@@ -23,10 +23,11 @@ impl Model {
     /// | `sensor` | those of joints, tendons, actuators, sites, frames, subtrees, and the clock; touch, rangefinder, magnetometer |
     /// | `keyframe` | key |
     ///
-    /// `asset` gives the colours of materials; `statistic` and `size` are read as in MuJoCo; `visual`,
-    /// `custom`, `user`, `group`, textures and skins are ignored. Text that is not quite XML (attributes
-    /// without a space between them, `&` in values, `--` in comments) is read where libmujoco reads it,
-    /// and a file that is a part of a model, with `body` outermost, is a model without the part.
+    /// `asset` also gives materials and textures, of PNG files or builtin patterns, for pictures;
+    /// `statistic` and `size` are read as in MuJoCo; `visual`, `custom`, `user` and skins are
+    /// ignored. Text that is not quite XML (attributes without a space between them, `&` in values,
+    /// `--` in comments) is read where libmujoco reads it, and a file that is a part of a model, with
+    /// `body` outermost, is a model without the part.
     /// Composites, flexes and plugins are errors, and so are more than 1000 objects of a kind (sites:
     /// 200,000 elements together) and more than 8 MiB of names, both with the copies that `replicate`
     /// makes, and files of meshes or of height fields with more than 256 MiB together.

@@ -5,7 +5,7 @@ use super::bodies::Bodies;
 use super::defaults::Classes;
 use super::files::Files;
 use super::spec::{
-    ACTUATORS, Body, EQUALITIES, Exclude, Hfield, Key, Sensor, Spec, Tendon, replace,
+    ACTUATORS, Body, EQUALITIES, Exclude, Hfield, Key, Sensor, Spec, Tendon, Texture, replace,
 };
 use super::xml::Element;
 use crate::model::{Cone, Disable, Integrator, SensorType, Solver};
@@ -231,8 +231,7 @@ impl Reader<'_> {
         Ok(())
     }
 
-    /// Stores the colours of materials, meshes and height fields, and ignores assets that only affect
-    /// pictures.
+    /// Stores materials, textures, meshes and height fields, and ignores other assets.
     fn read_asset(&mut self, section: Element<'_, '_>) -> Result<()> {
         for mut child in section.children()? {
             match child.name() {
@@ -241,6 +240,7 @@ impl Reader<'_> {
                     material.name = child.required_text("name")?;
                     material.read(&mut child)?;
                     fits(&self.spec.materials, "materials", &child)?;
+                    child.finish()?;
                     self.spec.materials.push(material);
                 }
                 "mesh" => {
@@ -259,7 +259,14 @@ impl Reader<'_> {
                     fits(&self.spec.hfields, "height fields", &section)?;
                     self.spec.hfields.push(field);
                 }
-                "texture" | "skin" => {}
+                "texture" => {
+                    fits(&self.spec.textures, "textures", &child)?;
+                    let compiler = &self.spec.compiler;
+                    let folder = &compiler.texture_folder;
+                    let texture = Texture::read(child, folder, compiler.strip_path)?;
+                    self.spec.textures.push(texture);
+                }
+                "skin" => {}
                 _ => {
                     let known = ["material", "mesh", "texture", "skin", "hfield"];
                     return Err(section.unsupported(&child, &known));

@@ -22,6 +22,7 @@ mod revision;
 mod sensors;
 mod shared;
 mod softness;
+mod textures;
 mod types;
 
 use serde::{Deserialize, Serialize};
@@ -42,6 +43,7 @@ pub use sensors::SensorType;
 pub(crate) use sensors::{About, Stage};
 pub use shared::Shared;
 pub(crate) use softness::{SOLIMP, SOLREF, Softness};
+pub use textures::{TextureType, Textures};
 pub(crate) use types::padded;
 pub use types::{Disable, Fluid, Names, Options, Parameters, Statistics};
 
@@ -212,6 +214,9 @@ pub struct CompiledModel {
     pub geom_gap: Vec<f64>,
     /// Colour: red, green, blue, opacity.
     pub geom_rgba: Vec<[f64; 4]>,
+    /// Group: pictures show groups 0 to 2.
+    #[serde(skip_serializing_if = "zero")]
+    pub geom_group: Vec<i32>,
     /// Material; -1 if there is none.
     pub geom_matid: Vec<i32>,
     /// Fluid coefficients: 1 for the ellipsoid model (else 0), five coefficients, virtual masses
@@ -244,6 +249,9 @@ pub struct CompiledModel {
     pub site_size: Vec<[f64; 3]>,
     /// Colour: red, green, blue, opacity.
     pub site_rgba: Vec<[f64; 4]>,
+    /// Group: pictures show groups 0 to 2.
+    #[serde(skip_serializing_if = "zero")]
+    pub site_group: Vec<i32>,
 
     /// 0 fixed, 1 track, 2 trackcom, 3 targetbody, 4 targetbodycom.
     pub cam_mode: Vec<u8>,
@@ -275,6 +283,21 @@ pub struct CompiledModel {
 
     /// Colours of the materials: red, green, blue, opacity.
     pub mat_rgba: Vec<[f64; 4]>,
+    /// Textures of the materials; -1 for none.
+    pub mat_texid: Vec<i32>,
+    /// How often a texture is repeated along a geom, or along 1 m if `mat_texuniform`.
+    pub mat_texrepeat: Vec<[f64; 2]>,
+    /// Whether the repetition is by lengths, not by geoms.
+    pub mat_texuniform: Vec<bool>,
+    /// Light that the material gives, as a part of its colour.
+    pub mat_emission: Vec<f64>,
+    /// Strength of the shine, 0 to 1.
+    pub mat_specular: Vec<f64>,
+    /// Sharpness of the shine, 0 to 1.
+    pub mat_shininess: Vec<f64>,
+    /// The textures; copies of the model share them.
+    #[serde(flatten)]
+    pub textures: Shared<Textures>,
 
     /// Type of the transmission.
     pub actuator_trntype: Vec<TransmissionType>,
@@ -432,6 +455,11 @@ pub struct CompiledModel {
     pub key_mpos: Vec<Vec<f64>>,
     /// Orientations of the mocap bodies in the keyframes.
     pub key_mquat: Vec<Vec<f64>>,
+}
+
+/// Whether all groups are 0.
+fn zero(groups: &[i32]) -> bool {
+    groups.iter().all(|group| *group == 0)
 }
 
 /// Whether no geom has a mesh.

@@ -1,6 +1,7 @@
 //! A state, and everything computed from it.
 
 mod ahead;
+mod keyframe;
 
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 

@@ -1,7 +1,7 @@
 //! Meshes of models in MJCF. `recorded/assets.py` recorded the digests of libmujoco's arrays.
 
 use std::fs;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use mujoco_engine::Model;
 use serde_json::Value;
@@ -131,10 +131,10 @@ const TETRAHEDRON: &str =
     "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n";
 
 /// A folder of files, which is removed at the end.
-struct Folder(PathBuf);
+pub(crate) struct Folder(PathBuf);
 
 impl Folder {
-    fn new(name: &str, files: &[(&str, &str)]) -> Self {
+    pub(crate) fn new(name: &str, files: &[(&str, &str)]) -> Self {
         let name = format!("mujoco-engine-{name}-{}", std::process::id());
         let folder = Self(std::env::temp_dir().join(name));
         for (file, text) in files {
@@ -145,7 +145,11 @@ impl Folder {
         folder
     }
 
-    fn model(&self, file: &str) -> mujoco_engine::Result<Model> {
+    pub(crate) fn path(&self) -> &Path {
+        &self.0
+    }
+
+    pub(crate) fn model(&self, file: &str) -> mujoco_engine::Result<Model> {
         Model::from_path(self.0.join(file))
     }
 }

@@ -1,6 +1,6 @@
 //! What the compiler of MJCF computes from a text.
 
-use mujoco_engine::Model;
+use mujoco_engine::{Data, Model, step};
 
 /// A default class inherits from the enclosing class, even with other elements in between.
 #[test]
@@ -273,4 +273,25 @@ fn simple_bodies_may_be_off_by_rounding() {
         let joint = format!("axis=\"{axis}\" pos=\"{pos}\"");
         assert_eq!(simple(&joint, "pos=\"0 0 0\""), expected, "{joint}");
     }
+}
+
+#[test]
+fn a_keyframe_is_a_whole_state() {
+    let text = r#"<mujoco><worldbody><body mocap="true" name="m"/><body><joint name="j"/><geom size="0.1" pos="1 0 0"/></body>
+        </worldbody><actuator><intvelocity joint="j" actrange="-1 1"/></actuator>
+        <keyframe><key/><key name="k" time="2" qpos="0.3" qvel="0.4" act="0.5" ctrl="0.6" mpos="1 2 3" mquat="0 1 0 0"/></keyframe></mujoco>"#;
+    let m = Model::from_xml(text).unwrap();
+    let mut d = Data::new(&m);
+    step(&m, &mut d);
+    d.reset_keyframe(&m, m.key_id("k").unwrap()).unwrap();
+    assert_eq!((d.time, d.qpos[0], d.qvel[0]), (2.0, 0.3, 0.4));
+    assert_eq!((d.act[0], d.ctrl[0]), (0.5, 0.6));
+    assert_eq!(
+        (d.mocap_pos[0], d.mocap_quat[0]),
+        ([1.0, 2.0, 3.0], [0.0, 1.0, 0.0, 0.0])
+    );
+    let error = d.reset_keyframe(&m, 2).unwrap_err().to_string();
+    assert!(error.contains("no keyframe 2: the model has 2"), "{error}");
+    d.reset_keyframe(&m, 0).unwrap();
+    assert!(d.time == 0.0 && d.qpos == m.qpos0 && d.mocap_pos[0] == m.body_pos[1]);
 }

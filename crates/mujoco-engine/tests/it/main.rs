@@ -13,4 +13,5 @@ mod numbers;
 mod rays;
 mod rooms;
 mod steps;
+mod textures;
 mod worlds;

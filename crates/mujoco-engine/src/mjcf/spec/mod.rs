@@ -29,6 +29,7 @@ mod mesh;
 mod parts;
 mod sensor;
 mod tendon;
+mod texture;
 
 pub(crate) use actuator::{Actuator, KINDS as ACTUATORS};
 pub(crate) use body::{Body, Camera, Inertial, Light, Moments};
@@ -41,6 +42,7 @@ pub use mesh::{Inertia, Options as MeshOptions};
 pub(crate) use parts::{Frame, Geom, Joint, Site};
 pub(crate) use sensor::{Sensor, Target};
 pub(crate) use tendon::{Tendon, Wrap};
+pub(crate) use texture::{Mark, Material, Pattern, Pixels, Texture};
 
 use std::path::PathBuf;
 
@@ -87,6 +89,7 @@ pub(crate) struct Spec {
     pub(crate) statistic: Statistic,
     pub(crate) nkey: usize,
     pub(crate) materials: Vec<Material>,
+    pub(crate) textures: Vec<Texture>,
     pub(crate) meshes: Vec<Mesh>,
     pub(crate) hfields: Vec<Hfield>,
     /// The world, then the others, each after its parent.
@@ -125,6 +128,8 @@ with_defaults! {
         balance_inertia: bool = false,
         /// The folder of mesh files, beside the model.
         mesh_folder: String = String::new(),
+        /// The folder of texture files, beside the model.
+        texture_folder: String = String::new(),
         /// Whether names of files lose their folders.
         strip_path: bool = false,
         /// Whether shapes are fitted to the bounds of a mesh, not to its inertia.
@@ -163,16 +168,19 @@ impl Compiler {
                     .attribute("eulerseq", "needs three of xyzXYZ")
             })?;
         }
-        for name in ["assetdir", "meshdir"] {
-            replace(&mut self.mesh_folder, element.text(name)?);
+        if let Some(folder) = element.text("assetdir")? {
+            self.mesh_folder.clone_from(&folder);
+            self.texture_folder = folder;
         }
+        replace(&mut self.mesh_folder, element.text("meshdir")?);
+        replace(&mut self.texture_folder, element.text("texturedir")?);
         replace(&mut self.strip_path, element.flag("strippath")?);
         replace(&mut self.fit_bounds, element.flag("fitaabb")?);
         // attributes of files that are not read, and attributes without effect on the compiled
         // model
         // conflicts between models arise where one attaches another
         element.keyword("conflict", &[("warning", ()), ("merge", ()), ("error", ())])?;
-        element.ignore("texturedir usethread saveinertial");
+        element.ignore("usethread saveinertial");
         replace(&mut self.fuse_static, element.flag("fusestatic")?);
         replace(&mut self.discard_visual, element.flag("discardvisual")?);
         replace(&mut self.align_free, element.flag("alignfree")?);
@@ -193,26 +201,6 @@ pub(crate) struct Statistic {
     pub(crate) meansize: Option<f64>,
     pub(crate) extent: Option<f64>,
     pub(crate) center: Option<[f64; 3]>,
-}
-
-with_defaults! {
-    /// A colour that geoms can refer to.
-    struct Material {
-        name: String = String::new(),
-        rgba: [f64; 4] = [1.0; 4],
-    }
-}
-
-impl Material {
-    /// Stores the colour, and ignores other attributes that affect only pictures.
-    pub(crate) fn read(&mut self, element: &mut Element<'_, '_>) -> Result<()> {
-        replace(&mut self.rgba, element.numbers("rgba")?);
-        element.ignore(
-            "texture texrepeat texuniform emission specular shininess reflectance metallic \
-             roughness",
-        );
-        Ok(())
-    }
 }
 
 /// Reads `condim`, the number of dimensions of a contact's force.

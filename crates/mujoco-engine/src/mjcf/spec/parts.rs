@@ -209,6 +209,7 @@ with_defaults! {
         orientation: Orientation = Orientation::default(),
         fromto: Option<[f64; 6]> = None,
         rgba: [f64; 4] = GREY,
+        group: i32 = 0,
         frame: Option<Frame> = None,
     }
 }
@@ -229,7 +230,8 @@ impl Site {
         self.orientation.read(element)?;
         replace_some(&mut self.fromto, element.numbers("fromto")?);
         replace(&mut self.rgba, element.numbers("rgba")?);
-        element.ignore("user group material");
+        replace(&mut self.group, element.integer("group")?);
+        element.ignore("user material");
         Ok(())
     }
 }

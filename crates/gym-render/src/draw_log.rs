@@ -2,7 +2,7 @@
 
 use std::fmt::{self, Write};
 
-use gym_core::canvas::{Align, Canvas, Color, Point, Primitive, Segment, Shape, Transform};
+use gym_core::canvas::{Align, Canvas, Color, Image, Point, Primitive, Segment, Shape, Transform};
 
 use crate::number::{Decimal, Pair, Rgb};
 
@@ -81,6 +81,20 @@ impl Canvas for DrawLog {
         self.line(format_args!(
             "text {text:?} {position} size={size} {align} {}",
             Rgba(color)
+        ));
+    }
+
+    fn image(&mut self, image: Image<'_>) {
+        let mut sum = crc32fast::Hasher::new();
+        for Color { r, g, b, a } in image.pixels {
+            sum.update(&[*r, *g, *b, *a]);
+        }
+        let (min, size) = (Pair(image.min), Pair(image.size));
+        self.line(format_args!(
+            "image {min} size={size} pixels={}x{} crc={:08x}",
+            image.width,
+            image.rows().len(),
+            sum.finalize()
         ));
     }
 

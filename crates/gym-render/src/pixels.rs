@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use gym_core::canvas::{Color, Point};
+use gym_core::canvas::{Color, Image, Point, Transform};
 use gym_core::render::Frame;
 
 /// Bytes of a pixel.
@@ -33,6 +33,57 @@ pub(crate) fn fill_box(frame: &mut Frame, min: Point, max: Point, color: Color) 
                     color,
                     (share_x * share_y * 255.0).round() as u8,
                 );
+            }
+        }
+    }
+}
+
+/// Blends an image into the frame: each pixel takes the colour of the image at its middle.
+pub(crate) fn draw_image(frame: &mut Frame, image: Image<'_>, transform: Transform) {
+    let rows: Vec<&[Color]> = image.rows().collect();
+    let steps = [
+        image.size[0] / image.width as f64,
+        image.size[1] / rows.len() as f64,
+    ];
+    // from pixels of the image to pixels of the frame
+    let place = transform.then(Transform {
+        x: [steps[0], 0.0],
+        y: [0.0, steps[1]],
+        origin: image.min,
+    });
+    let area = place.x[0] * place.y[1] - place.x[1] * place.y[0];
+    let sides = [image.width as f64, rows.len() as f64];
+    let corners = [[0.0, 0.0], [sides[0], 0.0], [0.0, sides[1]], sides].map(|at| place.apply(at));
+    let range = |k: usize, length: u32| {
+        let all = corners.iter().map(|corner| corner[k]);
+        let least = all.clone().fold(f64::INFINITY, f64::min).floor();
+        let greatest = all.fold(f64::NEG_INFINITY, f64::max).ceil();
+        let within = |x: f64| x.clamp(0.0, f64::from(length)) as usize;
+        within(least)..within(greatest)
+    };
+    let (columns, lines) = (range(0, frame.width()), range(1, frame.height()));
+    for y in lines {
+        let line = row(frame, y);
+        for x in columns.clone() {
+            let from = [
+                x as f64 + 0.5 - place.origin[0],
+                y as f64 + 0.5 - place.origin[1],
+            ];
+            let column = (from[0] * place.y[1] - from[1] * place.y[0]) / area;
+            let number = (from[1] * place.x[0] - from[0] * place.x[1]) / area;
+            // (the comparisons also exclude NaN)
+            if column >= 0.0 && number >= 0.0 {
+                let pixel = rows
+                    .get(number as usize)
+                    .and_then(|row| row.get(column as usize));
+                let bytes = &mut line[x * RGB..(x + 1) * RGB];
+                match pixel {
+                    Some(&color) if color.a == 255 => {
+                        bytes.copy_from_slice(&[color.r, color.g, color.b]);
+                    }
+                    Some(&color) if color.a > 0 => blend(bytes, color, 255),
+                    _ => {}
+                }
             }
         }
     }
@@ -116,6 +167,8 @@ fn scale(a: u8, b: u8) -> u8 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::Raster;
+    use gym_core::render::Painter;
 
     fn red(frame: &Frame) -> Vec<u8> {
         frame.pixels().iter().step_by(RGB).copied().collect()
@@ -157,5 +210,54 @@ mod tests {
         clear(&mut frame, Color::rgb(10, 20, 30));
         clear(&mut frame, Color::rgb(110, 220, 30).alpha(51));
         assert_eq!(frame.pixels()[24..], [30, 60, 30]);
+    }
+
+    /// An image is sharp where a pixel of it is a pixel of the frame, and is stretched elsewhere; other
+    /// canvases draw the same pixels.
+    #[test]
+    fn images_are_laid_over_the_frame() {
+        let clear = Color::WHITE.alpha(0);
+        let half = Color::WHITE.alpha(128);
+        let pixels = [Color::rgb(200, 0, 0), half, clear, Color::WHITE];
+        let image = |min: Point, side: f64| Image {
+            min,
+            size: [side; 2],
+            width: 2,
+            pixels: &pixels,
+        };
+        let sharp = crate::frame((3, 3), |canvas| canvas.image(image([1.0, 0.0], 2.0))).unwrap();
+        assert_eq!(red(&sharp), [0, 200, 128, 0, 0, 255, 0, 0, 0]);
+        let mut twice = Frame::new(4, 4).unwrap();
+        let mut resolution = 0.0;
+        Raster::new().paint(
+            (2, 2),
+            &mut |canvas| {
+                resolution = canvas.resolution();
+                canvas.image(image([0.0; 2], 2.0));
+            },
+            &mut twice,
+        );
+        assert_eq!(
+            (resolution, red(&twice)[4..8].to_vec()),
+            (2.0, vec![200, 200, 128, 128])
+        );
+        let log = crate::DrawLog::of(|canvas| canvas.image(image([1.0, 0.0], 2.0)));
+        assert!(
+            log.to_string()
+                .starts_with("image 1,0 size=2,2 pixels=2x2 crc="),
+            "{log}"
+        );
+        let document = crate::svg((3, 3), |canvas| canvas.image(image([1.0, 0.0], 2.0)));
+        assert!(
+            document.contains("<image x=\"1\" y=\"0\" width=\"2\" height=\"2\""),
+            "{document}"
+        );
+        let none = Image {
+            pixels: &[],
+            ..image([0.0; 2], 1.0)
+        };
+        let empty = crate::frame((3, 3), |canvas| canvas.image(none)).unwrap();
+        assert_eq!(empty, Frame::new(3, 3).unwrap());
+        assert!(!crate::svg((3, 3), |canvas| canvas.image(none)).contains("image"));
     }
 }

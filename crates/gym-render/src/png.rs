@@ -5,6 +5,7 @@ use std::io::Write;
 use std::path::{Path, PathBuf};
 
 use crate::file::AtomicFile;
+use gym_core::canvas::{Color, Image};
 use gym_core::render::Frame;
 use gym_core::{Error, Result};
 use png::{BitDepth, ColorType, Compression, Encoder, EncodingError};
@@ -68,6 +69,23 @@ pub(crate) fn write_stack(
 pub(crate) fn bytes(frame: &Frame) -> Result<Vec<u8>> {
     let mut bytes = Vec::new();
     encode(&mut bytes, frame).map_err(|error| refused(frame, &error))?;
+    Ok(bytes)
+}
+
+/// Encodes an image with opacity as PNG.
+pub(crate) fn image_bytes(image: Image<'_>) -> std::result::Result<Vec<u8>, EncodingError> {
+    let pixels = image.rows().flatten();
+    let pixels: Vec<u8> = pixels
+        .flat_map(|&Color { r, g, b, a }| [r, g, b, a])
+        .collect();
+    let side = |pixels: usize| u32::try_from(pixels).unwrap_or(u32::MAX);
+    let mut bytes = Vec::new();
+    let mut encoder = Encoder::new(&mut bytes, side(image.width), side(image.rows().len()));
+    encoder.set_color(ColorType::Rgba);
+    encoder.set_depth(BitDepth::Eight);
+    let mut writer = encoder.write_header()?;
+    writer.write_image_data(&pixels)?;
+    writer.finish()?;
     Ok(bytes)
 }
 

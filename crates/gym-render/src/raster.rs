@@ -1,6 +1,6 @@
 //! Drawings as pixels.
 
-use gym_core::canvas::{self, Align, Canvas, Color, Point, Primitive, Shape, Transform};
+use gym_core::canvas::{self, Align, Canvas, Color, Image, Point, Primitive, Shape, Transform};
 use gym_core::pygame::{self, UPRIGHT};
 use gym_core::render::{Frame, Painter, PainterProvider};
 use gym_core::{Result, inventory};
@@ -209,6 +209,15 @@ impl Canvas for Surface<'_> {
             transforms.current(),
             color,
         );
+    }
+
+    fn image(&mut self, image: Image<'_>) {
+        self.start_smooth();
+        pixels::draw_image(self.frame, image, self.raster.transforms.current());
+    }
+
+    fn resolution(&self) -> f64 {
+        skia::scale(self.raster.transforms.current())
     }
 
     fn push(&mut self, transform: Transform) {

@@ -3,13 +3,16 @@
 use std::fmt::Write;
 use std::path::Path;
 
+use base64::Engine;
+use base64::engine::general_purpose::STANDARD;
 use gym_core::Result;
-use gym_core::canvas::{Align, Canvas, Color, Point, Segment, Shape, Transform};
+use gym_core::canvas::{Align, Canvas, Color, Image, Point, Segment, Shape, Transform};
 
 use crate::file;
 
 use crate::font;
 use crate::number::{Decimal, Pair, Rgb};
+use crate::png;
 use crate::transforms::Transforms;
 
 /// Writes a drawing as a standalone SVG document.
@@ -84,6 +87,19 @@ impl Canvas for Svg {
         });
         let style = stroke(size * font::WEIGHT, color) + " stroke-linecap=\"round\"";
         self.element(&path(&segments), &style);
+    }
+
+    fn image(&mut self, image: Image<'_>) {
+        // (an image without pixels cannot be encoded, and shows nothing)
+        if let Ok(bytes) = png::image_bytes(image) {
+            let [x, y, width, height] =
+                [image.min[0], image.min[1], image.size[0], image.size[1]].map(Decimal::<3>);
+            let place = format!("x=\"{x}\" y=\"{y}\" width=\"{width}\" height=\"{height}\"");
+            let data = STANDARD.encode(bytes);
+            let style =
+                format!("preserveAspectRatio=\"none\" href=\"data:image/png;base64,{data}\"");
+            self.element(&format!("image {place}"), &style);
+        }
     }
 
     fn push(&mut self, transform: Transform) {

@@ -15,6 +15,9 @@ use std::ops::Deref;
 
 use gym_numerics::math;
 
+pub use super::image::Image;
+use super::image::rectangles;
+
 /// A point or a vector: `[x, y]`.
 pub type Point = [f64; 2];
 
@@ -280,6 +283,16 @@ pub trait Canvas {
     fn push_smoothscaled(&mut self, from: (u32, u32), to: (u32, u32)) {
         let scale = |from: u32, to: u32| f64::from(to) / f64::from(from.max(1));
         self.push(Transform::scale(scale(from.0, to.0), scale(from.1, to.1)));
+    }
+
+    /// Draws an image.
+    fn image(&mut self, image: Image<'_>) {
+        rectangles(self, image);
+    }
+
+    /// The number of pixels of the result for a unit of length: an image of so many is sharp.
+    fn resolution(&self) -> f64 {
+        1.0
     }
 
     /// Fills a polygon.

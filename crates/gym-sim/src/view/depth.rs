@@ -3,7 +3,7 @@
 use std::ops::Range;
 
 use super::camera::{Camera, NEAR};
-use super::{View, color_of, floor_of, is_wall};
+use super::{View, floor_of, is_shown, is_wall, meshes};
 use mujoco_engine::math::{Vec3, add_scaled, dot, sub};
 use mujoco_engine::model::GeomType;
 use mujoco_engine::physics::ray_shape;
@@ -44,7 +44,8 @@ impl View {
         let floor = floor_of(model, data, self.max_geom);
         for g in (0..model.ngeom()).take(self.max_geom) {
             let plane = model.geom_type[g] == GeomType::Plane;
-            if (plane && floor != Some(g) && !is_wall(model, g)) || color_of(model, g).a == 0 {
+            let unseen = plane && floor != Some(g) && !is_wall(model, g);
+            if unseen || !is_shown(model, g) || meshes::is_mesh(model, g) {
                 continue;
             }
             let [across, down] = if plane {
@@ -65,6 +66,11 @@ impl View {
                     }
                 }
             }
+        }
+        if meshes::has_any(model, self.max_geom) {
+            let scene = self.scene(model, data, picture);
+            let focal = step.map(|step| camera.focal / step);
+            meshes::depths(&scene, self.max_geom, ([columns, rows], focal), &mut depths);
         }
         depths
     }

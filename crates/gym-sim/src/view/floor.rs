@@ -4,7 +4,7 @@ use gym_core::canvas::{Canvas, Color, Point, Segment, Shape};
 
 use super::camera::{Camera, NEAR};
 use super::shapes::lit;
-use super::{Scene, color_of};
+use super::{Scene, color_of, is_shown};
 use gym_core::math;
 use mujoco_engine::math::{Vec3, add_scaled, column, dot, sub};
 use mujoco_engine::model::GeomType;
@@ -19,7 +19,7 @@ const SQUARES: i64 = 16;
 const RINGS: usize = 6;
 /// The number of corners of a shadow's outline.
 const CORNERS: usize = 20;
-const SHADOW: Color = Color::rgb(24, 34, 52).alpha(88);
+pub(super) const SHADOW: Color = Color::rgb(24, 34, 52).alpha(88);
 
 /// A mixture of two colours: `a` at `t` = 0, `b` at 1.
 pub(super) fn blend(a: Color, b: Color, t: f64) -> Color {
@@ -140,7 +140,7 @@ pub(super) fn shadows(scene: &Scene<'_>, height: f64, canvas: &mut dyn Canvas) {
         let center = data.geom_xpos[g];
         let kind = model.geom_type[g];
         let flat = matches!(kind, GeomType::Plane | GeomType::Hfield | GeomType::Mesh);
-        if flat || color_of(model, g).a < 128 || center[2] < height {
+        if flat || !is_shown(model, g) || color_of(model, g).a < 128 || center[2] < height {
             continue;
         }
         let corners = match model.geom_type[g] {

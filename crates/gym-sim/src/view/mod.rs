@@ -3,8 +3,13 @@
 mod camera;
 mod depth;
 mod floor;
+mod layer;
+mod look;
+mod meshes;
 mod shapes;
 mod solids;
+mod surface;
+mod texture;
 
 use gym_core::canvas::{Canvas, Color};
 use gym_core::{Error, Result};
@@ -217,6 +222,11 @@ impl View {
         let floor = floor_of(model, data, self.max_geom);
         if let Some(g) = floor {
             floor::draw(scene, g, canvas);
+        }
+        if meshes::has_any(model, self.max_geom) {
+            return meshes::draw(scene, self.max_geom, floor, canvas);
+        }
+        if let Some(g) = floor {
             floor::shadows(scene, data.geom_xpos[g][2], canvas);
         }
         let mut walls = geoms
@@ -227,7 +237,7 @@ impl View {
         }
         shapes::strings(scene, canvas);
         let mut solids: Vec<(f64, usize)> = geoms
-            .filter(|g| model.geom_type[*g] != GeomType::Plane && color_of(model, *g).a > 0)
+            .filter(|g| model.geom_type[*g] != GeomType::Plane && is_shown(model, *g))
             .map(|g| {
                 let depth = scene.camera.depth(data.geom_xpos[g]);
                 (depth - shapes::nearness(scene, g), g)
@@ -237,7 +247,7 @@ impl View {
         for (_, g) in solids {
             shapes::draw(scene, g, canvas);
         }
-        for s in 0..model.nsite() {
+        for s in (0..model.nsite()).filter(|s| is_site_shown(model, *s)) {
             shapes::marker(scene, s, canvas);
         }
     }
@@ -259,10 +269,25 @@ struct Scene<'a> {
     data: &'a Data,
 }
 
+/// Whether pictures show a group of geoms or sites: those that MuJoCo's viewer shows at first.
+fn is_group_shown(group: i32) -> bool {
+    group < 3
+}
+
+/// Whether a geom is shown.
+fn is_shown(model: &Model, g: usize) -> bool {
+    is_group_shown(model.geom_group[g]) && color_of(model, g).a > 0
+}
+
+/// Whether a site is shown.
+fn is_site_shown(model: &Model, s: usize) -> bool {
+    is_group_shown(model.site_group[s]) && rgba(model.site_rgba[s]).a > 0
+}
+
 /// Whether a geom is a bounded plane. Of the other planes, only the floor is drawn.
 fn is_wall(model: &Model, g: usize) -> bool {
     let [x, y, _] = model.geom_size[g];
-    model.geom_type[g] == GeomType::Plane && x > 0.0 && y > 0.0 && color_of(model, g).a > 0
+    model.geom_type[g] == GeomType::Plane && x > 0.0 && y > 0.0 && is_shown(model, g)
 }
 
 /// The floor: the lowest horizontal plane.

@@ -56,17 +56,17 @@ pub(super) fn draw(scene: &Scene<'_>, g: usize, canvas: &mut dyn Canvas) {
 /// Draws a site as a ball.
 pub(super) fn marker(scene: &Scene<'_>, s: usize, canvas: &mut dyn Canvas) {
     let color = rgba(scene.model.site_rgba[s]);
-    if color.a > 0 {
-        let (center, radius) = (scene.data.site_xpos[s], scene.model.site_size[s][0]);
-        round(&scene.camera, [center; 2], radius, color, canvas);
-    }
+    let (center, radius) = (scene.data.site_xpos[s], scene.model.site_size[s][0]);
+    round(&scene.camera, [center; 2], radius, color, canvas);
 }
 
-/// Draws the straight parts of spatial tendons, from site to site.
-pub(super) fn strings(scene: &Scene<'_>, canvas: &mut dyn Canvas) {
-    const RADIUS: f64 = 0.003; // MuJoCo's default `width`
-    const COLOR: Color = Color::rgb(128, 128, 128);
-    let (camera, model, data) = (&scene.camera, scene.model, scene.data);
+/// The radius and the colour of a spatial tendon: MuJoCo's default `width`, and its colour.
+pub(super) const STRING: f64 = 0.003;
+pub(super) const STRING_COLOR: Color = Color::rgb(128, 128, 128);
+
+/// Passes the ends of the straight parts of spatial tendons, from site to site.
+pub(super) fn each_string(scene: &Scene<'_>, mut draw: impl FnMut([Vec3; 2])) {
+    let (model, data) = (scene.model, scene.data);
     let site = |w: usize| match model.wrap_type[w] {
         WrapType::Site => usize::try_from(model.wrap_objid[w]).ok(),
         _ => None,
@@ -74,11 +74,18 @@ pub(super) fn strings(scene: &Scene<'_>, canvas: &mut dyn Canvas) {
     for (first, parts) in model.tendon_adr.iter().zip(&model.tendon_num) {
         for w in *first..(first + parts).saturating_sub(1) {
             if let (Some(a), Some(b)) = (site(w), site(w + 1)) {
-                let ends = [data.site_xpos[a], data.site_xpos[b]];
-                round(camera, ends, RADIUS, COLOR, canvas);
+                draw([data.site_xpos[a], data.site_xpos[b]]);
             }
         }
     }
+}
+
+/// Draws the strings of spatial tendons.
+pub(super) fn strings(scene: &Scene<'_>, canvas: &mut dyn Canvas) {
+    let camera = &scene.camera;
+    each_string(scene, |ends| {
+        round(camera, ends, STRING, STRING_COLOR, canvas);
+    });
 }
 
 /// Draws a capsule; if both ends coincide, a sphere.

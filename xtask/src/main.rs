@@ -134,7 +134,14 @@ impl Build {
         let asks_for_help = arguments
             .iter()
             .any(|argument| argument == "--help" || argument == "-h");
-        let is_quick = asks_for_help || command.is_none_or(|command| QUICK.contains(&command));
+        // `mjcf` simulates and draws if it is asked to
+        let has_options = arguments.iter().any(|argument| {
+            argument
+                .to_str()
+                .is_some_and(|text| text.starts_with("--steps") || text.starts_with("--out"))
+        });
+        let is_quick =
+            asks_for_help || !has_options && command.is_none_or(|command| QUICK.contains(&command));
         let is_built = || {
             target_dir()
                 .join("play")
@@ -246,7 +253,13 @@ mod tests {
     #[test]
     fn commands_that_play_are_optimised_and_those_that_measure_the_most() {
         let profile = |line: &str| Build::of(&arguments(line)).profile;
-        for line in ["demo", "conform", "run Taxi-v4"] {
+        for line in [
+            "demo",
+            "conform",
+            "run Taxi-v4",
+            "mjcf robot.xml --steps 9",
+            "mjcf robot.xml --out=x.png",
+        ] {
             assert_eq!(profile(line), "play", "{line}");
         }
         assert_eq!(profile("bench CartPole-v1"), "release");

@@ -10,7 +10,7 @@ pub(crate) use recordings::{answer, compare};
 
 #[derive(clap::Subcommand)]
 pub(crate) enum Command {
-    /// Compiles a model in MJCF and prints its sizes.
+    /// Prints what a model in MJCF has, steps it, draws it.
     Mjcf(mjcf::Arguments),
     /// Compares your ROMs of the Atari 2600 with recordings of ale-py.
     Atari(atari::Arguments),

@@ -1,0 +1,149 @@
+//! Pictures and films of a model.
+
+use std::path::{Path, PathBuf};
+
+use gym::canvas::Canvas;
+use gym::render::{Frame, Painter, Raster, Video, file, write_png};
+use gym::sim::Common;
+use gym::sim::engine::{Data, Model};
+use gym::sim::view::{CameraConfig, View};
+use gym::{Error, Result};
+
+#[derive(clap::Args)]
+pub(super) struct Arguments {
+    /// Draws the model to a file: .png is a picture of the last state; .gif, .apng or .mp4 is a film
+    /// of the steps, in the time of the model.
+    #[arg(long, value_name = "FILE")]
+    out: Option<PathBuf>,
+    /// The size of the picture.
+    #[arg(long, value_name = "WIDTHxHEIGHT", default_value = "480x360", value_parser = parse_size, requires = "out")]
+    size: (u32, u32),
+    /// A camera of the model, instead of a free one.
+    #[arg(long, value_name = "NAME", requires = "out")]
+    camera: Option<String>,
+    /// The direction of the free camera, in degrees.
+    #[arg(
+        long,
+        default_value_t = 120.0,
+        allow_negative_numbers = true,
+        requires = "out"
+    )]
+    azimuth: f64,
+    /// The elevation of the free camera, in degrees: negative looks down.
+    #[arg(long, default_value_t = -20.0, allow_negative_numbers = true, requires = "out")]
+    elevation: f64,
+    /// The distance of the free camera from the model's centre, in m; by default 1.5 times its extent.
+    #[arg(long, requires = "out")]
+    distance: Option<f64>,
+}
+
+/// The largest width and height of a picture.
+const MOST: u32 = 8192;
+/// Frames per second of a film.
+const FPS: u32 = 25;
+
+fn parse_size(text: &str) -> Result<(u32, u32), String> {
+    let side = |side: &str| side.parse().ok().filter(|side| (1..=MOST).contains(side));
+    let sides = text
+        .split_once('x')
+        .and_then(|(x, y)| Some((side(x)?, side(y)?)));
+    sides.ok_or_else(|| format!("a size is such as 480x360, of at most {MOST}x{MOST} pixels"))
+}
+
+/// A picture or a film that is being made.
+pub(super) struct Film<'a> {
+    path: &'a Path,
+    view: View,
+    raster: Raster,
+    frame: Frame,
+    /// `None` for a picture.
+    video: Option<Video>,
+    /// The time of the first frame, and the number of frames so far.
+    start: f64,
+    frames: u32,
+}
+
+impl<'a> Film<'a> {
+    /// The film that the arguments ask for, if any, from the state `data`; `moves`: whether there
+    /// are steps.
+    pub(super) fn open(
+        arguments: &'a Arguments,
+        (model, data): (&Model, &Data),
+        moves: bool,
+    ) -> Result<Option<Self>> {
+        let Some(path) = &arguments.out else {
+            return Ok(None);
+        };
+        let still = path
+            .extension()
+            .is_some_and(|end| end.eq_ignore_ascii_case("png"));
+        if !still && !moves {
+            let reason = "a film needs steps: give --steps too, or the name of a .png";
+            return Err(Error::argument("--out", reason));
+        }
+        let video = if still {
+            drop(file::AtomicFile::create(path)?); // before the work starts
+            None
+        } else {
+            Some(Video::create(path, FPS)?)
+        };
+        let camera = CameraConfig::at(
+            model.stat.center,
+            arguments.distance.unwrap_or(1.5 * model.stat.extent),
+            arguments.azimuth,
+            arguments.elevation,
+        );
+        let view = View::of_task(
+            model,
+            &Common {
+                camera_name: arguments.camera.clone(),
+                default_camera_config: camera,
+                ..Common::default()
+            },
+        )?;
+        let (width, height) = arguments.size;
+        Ok(Some(Self {
+            path,
+            view,
+            raster: Raster::new(),
+            frame: Frame::new(width, height)?,
+            video,
+            start: data.time,
+            frames: 0,
+        }))
+    }
+
+    /// Draws a state of a film if it is time for a frame.
+    pub(super) fn watch(&mut self, model: &Model, data: &Data) -> Result<()> {
+        let due = self.start + f64::from(self.frames) / f64::from(FPS);
+        // half a step early rather than half a step late
+        if self.video.is_none() || data.time + model.opt.timestep / 2.0 < due {
+            return Ok(());
+        }
+        self.frames += 1;
+        self.draw(model, data);
+        match &mut self.video {
+            Some(video) => video.write(&self.frame),
+            None => Ok(()),
+        }
+    }
+
+    fn draw(&mut self, model: &Model, data: &Data) {
+        let size = (self.frame.width(), self.frame.height());
+        let mut draw = |canvas: &mut dyn Canvas| self.view.draw(model, data, size, canvas);
+        self.raster.paint(size, &mut draw, &mut self.frame);
+    }
+
+    /// Draws the last state of a picture, and completes the file; returns what was written.
+    pub(super) fn finish(mut self, model: &Model, data: &Data) -> Result<String> {
+        let path = self.path.display();
+        if let Some(video) = self.video.take() {
+            video.finish()?;
+            return Ok(format!("{path}: {} frames", self.frames));
+        }
+        self.draw(model, data);
+        write_png(self.path, &self.frame)?;
+        let (width, height) = (self.frame.width(), self.frame.height());
+        Ok(format!("{path}: {width}x{height} pixels"))
+    }
+}

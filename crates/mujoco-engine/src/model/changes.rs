@@ -64,7 +64,7 @@ changes! {
     /// the shapes. (3.15)
     clips_faces since V3_17;
     /// The margin of a height field and a shape is that of other pairs.
-    treats_prisms_as_shapes since V4_0;
+    treats_prisms_as_shapes since V3_17;
     /// The boxes around moving bodies are not compared in single precision.
     sweeps_otherwise since V3_17;
     /// Convex shapes with a margin are compared without it first.

@@ -36,15 +36,21 @@ pub(super) fn add_actuators(m: &mut CompiledModel, spec: &Spec) -> Result<()> {
             return Err(place.attribute("actrange", "there is no activation"));
         }
         let muscle = actuator.gain == GainType::Muscle || actuator.bias == BiasType::Muscle;
-        if muscle && actuator.length_range[0] >= actuator.length_range[1] {
-            let reason = "a muscle needs its range: it is not computed";
-            return Err(place.attribute("lengthrange", reason));
+        let mut length_range = actuator.length_range;
+        if muscle && length_range[0] >= length_range[1] {
+            if !spec.compiler.length_range.wants(true) {
+                let reason = "missing: a muscle needs it, and the compiler does not measure it";
+                return Err(place.attribute("lengthrange", reason));
+            }
+            // until it is measured
+            length_range = [0.0, 1.0];
         }
         m.names.actuator.push(actuator.name.clone());
         m.actuator_actadr
             .push(if active { m.na() as i32 } else { -1 });
         m.actuator_trntype.push(kind);
         m.actuator_trnid.push(ids);
+        m.actuator_cranklength.push(actuator.crank_length);
         m.actuator_gear.push(actuator.gear);
         m.actuator_dyntype.push(actuator.dynamics);
         m.actuator_gaintype.push(actuator.gain);
@@ -60,7 +66,7 @@ pub(super) fn add_actuators(m: &mut CompiledModel, spec: &Spec) -> Result<()> {
         m.actuator_actrange.push(act_range);
         m.actuator_actearly.push(actuator.act_early);
         m.actuator_group.push(actuator.group);
-        m.actuator_lengthrange.push(actuator.length_range);
+        m.actuator_lengthrange.push(length_range);
         m.actuator_length0.push(0.0);
         m.actuator_acc0.push(0.0);
     }
@@ -76,6 +82,10 @@ fn transmission(m: &CompiledModel, actuator: &Actuator) -> Result<(TransmissionT
     if actuator.reference_site.is_some() && *attribute != "site" {
         return Err(place.attribute("refsite", "goes with site only"));
     }
+    let crank = *attribute == "cranksite";
+    if !crank && (actuator.slider_site.is_some() || actuator.crank_length != 0.0) {
+        return Err(place.attribute("slidersite", "goes with cranksite only"));
+    }
     Ok(match *attribute {
         "tendon" => {
             let tendon = named(m, place, attribute, ObjectType::Tendon, name)?;
@@ -88,6 +98,22 @@ fn transmission(m: &CompiledModel, actuator: &Actuator) -> Result<(TransmissionT
                 None => -1,
             };
             (TransmissionType::Site, [site as i32, reference])
+        }
+        "cranksite" => {
+            let pin = named(m, place, attribute, ObjectType::Site, name)?;
+            let slider = actuator
+                .slider_site
+                .as_ref()
+                .ok_or_else(|| place.attribute("slidersite", "missing: a slider-crank needs it"))?;
+            let slider = named(m, place, "slidersite", ObjectType::Site, slider)?;
+            if actuator.crank_length <= 0.0 {
+                return Err(place.attribute("cranklength", "must be positive"));
+            }
+            (TransmissionType::SliderCrank, [pin as i32, slider as i32])
+        }
+        "body" => {
+            let body = named(m, place, attribute, ObjectType::Body, name)?;
+            (TransmissionType::Body, [body as i32, -1])
         }
         _ => {
             let joint = named(m, place, attribute, ObjectType::Joint, name)?;

@@ -133,12 +133,12 @@ fn lengths(m: &CompiledModel) -> Result<()> {
         actuator_dynprm actuator_gainprm actuator_biasprm actuator_ctrllimited actuator_ctrlrange
         actuator_forcelimited actuator_forcerange actuator_actlimited actuator_actrange
         actuator_actadr actuator_actearly actuator_group actuator_lengthrange actuator_length0
-        actuator_acc0
+        actuator_acc0 actuator_cranklength
     );
     same_length!(
         m, m.ntendon(),
         tendon_num tendon_limited tendon_range tendon_margin tendon_stiffness tendon_damping
-        tendon_frictionloss tendon_lengthspring tendon_length0 tendon_invweight0
+        tendon_frictionloss tendon_armature tendon_lengthspring tendon_length0 tendon_invweight0
         tendon_actfrclimited tendon_actfrcrange tendon_solref_lim tendon_solimp_lim
         tendon_solref_fri tendon_solimp_fri
     );
@@ -146,7 +146,7 @@ fn lengths(m: &CompiledModel) -> Result<()> {
     same_length!(m, m.neq(), eq_objtype eq_obj1id eq_obj2id eq_active0 eq_solref eq_solimp eq_data);
     same_length!(
         m, m.nsensor(),
-        sensor_objtype sensor_objid sensor_reftype sensor_refid sensor_dim sensor_adr sensor_cutoff
+        sensor_objtype sensor_objid sensor_reftype sensor_refid sensor_intprm sensor_dim sensor_adr sensor_cutoff
         sensor_noise
     );
     same_length!(

@@ -20,7 +20,7 @@ impl CompiledModel {
     pub(super) fn complete(&mut self) {
         let (nbody, njnt, nv, ngeom) = (self.nbody(), self.njnt(), self.nv(), self.ngeom());
         let (nu, ntendon, nkey) = (self.nu(), self.ntendon(), self.key_time.len());
-        let (ncam, nmat) = (self.cam_bodyid.len(), self.mat_rgba.len());
+        let (ncam, nmat, nsensor) = (self.cam_bodyid.len(), self.mat_rgba.len(), self.nsensor());
         let (nwrap, neq, nsite) = (self.wrap_objid.len(), self.neq(), self.nsite());
         let (one, nothing) = (Parameters(padded(&[1.0])), Parameters::default());
         let m = self;
@@ -55,15 +55,17 @@ impl CompiledModel {
             nu, [0.0; 2] => actuator_forcerange actuator_actrange actuator_lengthrange;
             nu, -1 => actuator_actadr;
             nu, 0 => actuator_group;
-            nu, 0.0 => actuator_length0 actuator_acc0;
+            nu, 0.0 => actuator_length0 actuator_acc0 actuator_cranklength;
             ntendon, false => tendon_limited tendon_actfrclimited;
             ntendon, [0.0; 2] => tendon_range tendon_actfrcrange tendon_lengthspring;
             ntendon, 0.0 => tendon_margin tendon_stiffness tendon_damping tendon_frictionloss
+            tendon_armature
             tendon_length0 tendon_invweight0;
             ntendon, SOLREF => tendon_solref_lim tendon_solref_fri;
             ntendon, SOLIMP => tendon_solimp_lim tendon_solimp_fri;
             nwrap, WrapType::Joint => wrap_type;
             neq, ObjectType::Body => eq_objtype;
+            nsensor, [0; 3] => sensor_intprm;
             nkey, Vec::new() => key_act key_mpos key_mquat;
         }
         if m.has_meshes() {

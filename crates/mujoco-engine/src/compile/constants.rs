@@ -6,7 +6,9 @@ use crate::math::spatial::{
     EPS, InTurn, MINVAL, Order, Pairwise, add, cross, norm, rotate, rotate_back, sub,
 };
 use crate::mjcf::orientation::IDENTITY;
-use crate::model::{CompiledModel, EqualityType, GeomType, JointType, ObjectType, same, same_quat};
+use crate::model::{
+    CompiledModel, EqualityType, GeomType, JointType, ObjectType, WrapType, same, same_quat,
+};
 use crate::physics::{com_pos, crb, factor_m, kinematics, solve_m, tendon, transmission};
 use crate::{Data, Model, Result};
 
@@ -128,6 +130,14 @@ pub(crate) fn mark_simple(m: &mut CompiledModel) {
         }
         if m.body_simple[b] == 1 && slides > 0 && slides == m.body_jntnum[b] {
             m.body_simple[b] = 2;
+        }
+    }
+    // tendons with inertia couple the bodies of their sites
+    for t in (0..m.ntendon()).filter(|&t| m.tendon_armature[t] != 0.0) {
+        for w in m.tendon_adr[t]..m.tendon_adr[t] + m.tendon_num[t] {
+            if m.wrap_type[w] == WrapType::Site {
+                m.body_simple[m.site_bodyid[m.wrap_objid[w] as usize]] = 0;
+            }
         }
     }
     m.dof_simplenum = vec![0; m.nv()];

@@ -4,8 +4,15 @@ use super::check::same;
 use crate::Result;
 use crate::error::ensure;
 use crate::model::{
-    CompiledModel, DynamicsType, EqualityType, ObjectType, TransmissionType, WrapType,
+    About, CompiledModel, DynamicsType, EqualityType, GeomType, ObjectType, TransmissionType,
+    WrapType,
 };
+
+/// The largest number of values of all sensors.
+const MOST_VALUES: usize = 1 << 20;
+
+/// The bit of the normals of rangefinders.
+const NORMAL: i32 = 1 << 4;
 
 /// Checks ids of actuators, tendons, equality constraints, sensors and pairs.
 pub(super) fn check(m: &CompiledModel) -> Result<()> {
@@ -59,7 +66,8 @@ fn actuators(m: &CompiledModel) -> Result<()> {
         let kind = match m.actuator_trntype[i] {
             TransmissionType::Joint | TransmissionType::JointInParent => ObjectType::Joint,
             TransmissionType::Tendon => ObjectType::Tendon,
-            TransmissionType::Site => ObjectType::Site,
+            TransmissionType::Site | TransmissionType::SliderCrank => ObjectType::Site,
+            TransmissionType::Body => ObjectType::Body,
         };
         ensure!(
             exists(m, kind, id),
@@ -69,6 +77,11 @@ fn actuators(m: &CompiledModel) -> Result<()> {
         ensure!(
             reference == -1 || (kind == ObjectType::Site && exists(m, kind, reference)),
             "actuator_trnid[{i}] refers to {reference}, which is no site of reference"
+        );
+        ensure!(
+            m.actuator_trntype[i] != TransmissionType::SliderCrank
+                || (reference >= 0 && m.actuator_cranklength[i] > 0.0),
+            "actuator {i} is a slider-crank without a slider's site or a positive cranklength"
         );
         let active = m.actuator_dyntype[i] != DynamicsType::None;
         let expected = if active { activations } else { -1 };
@@ -165,10 +178,72 @@ fn sensors(m: &CompiledModel) -> Result<()> {
             );
         }
         ensure!(
-            m.sensor_dim[i] == m.sensor_type[i].dim() && m.sensor_adr[i] == next,
+            m.sensor_dim[i] == m.sensor_values(i) && m.sensor_adr[i] == next,
             "sensor_dim[{i}] or sensor_adr[{i}] does not fit the sensor"
         );
         next += m.sensor_dim[i];
+        let about = m.sensor_type[i].about();
+        let rough = |kind: &GeomType| matches!(kind, GeomType::Mesh | GeomType::Hfield);
+        ensure!(
+            about != About::Ray
+                || m.sensor_intprm[i][0] & NORMAL == 0
+                || !m.geom_type.iter().any(rough),
+            "sensor {i} has normals where rays meet geoms, which is not supported with meshes or height fields"
+        );
+        let kinds = (m.sensor_objtype[i], m.sensor_reftype[i]);
+        ensure!(
+            measurable(about, kinds),
+            "sensor {i} is not of these types of objects: {kinds:?}"
+        );
+        ensure!(
+            next <= MOST_VALUES,
+            "more than {MOST_VALUES} values of sensors are not supported"
+        );
+        for (kind, id) in [
+            (m.sensor_objtype[i], m.sensor_objid[i]),
+            (m.sensor_reftype[i], m.sensor_refid[i]),
+        ] {
+            ensure!(
+                kind != ObjectType::Camera || !matches!(m.cam_mode[id as usize], 1 | 2),
+                "sensor {i} refers to a camera that tracks a body, which is not supported"
+            );
+            let geoms = match (about, kind) {
+                (About::Pair, ObjectType::Geom) => id as usize..id as usize + 1,
+                (About::Pair, ObjectType::Body) => m.geoms_of(id as usize),
+                _ => 0..0,
+            };
+            ensure!(
+                !m.geom_type[geoms].contains(&GeomType::Hfield),
+                "sensor {i} measures the distance of a height field, which is not supported"
+            );
+        }
     }
     Ok(())
+}
+
+/// Whether a sensor of objects of a kind can have an object and a reference object of these types.
+fn measurable(about: About, (object, reference): (ObjectType, ObjectType)) -> bool {
+    use ObjectType::{Actuator, Body, Camera, Geom, Joint, Site, Tendon, Unknown, XBody};
+    let frame = |kind| matches!(kind, Body | XBody | Geom | Site | Camera);
+    match about {
+        About::Nothing => true,
+        About::Site => object == Site,
+        About::Joint | About::Ball => object == Joint,
+        About::Tendon => object == Tendon,
+        About::Actuator => object == Actuator,
+        About::Body => matches!(object, Body | XBody),
+        About::Frame => frame(object),
+        About::Relative => frame(object) && (frame(reference) || reference == Unknown),
+        About::Inside => frame(object) && reference == Site,
+        About::Projection => (object, reference) == (Site, Camera),
+        About::Contact => {
+            let part = |kind| matches!(kind, Unknown | Body | XBody | Geom);
+            (object == Site || part(object)) && part(reference)
+        }
+        About::Pair => {
+            let part = |kind| matches!(kind, Body | Geom);
+            part(object) && part(reference)
+        }
+        About::Ray => matches!(object, Site | Camera),
+    }
 }

@@ -8,6 +8,7 @@
 //! | `inertia`, `fluid` | masses, principal axes, coefficients of shapes |
 //! | `hfields` | height fields of a model, from its text or files |
 //! | `mesh`, `hull`, `assets`, `textures` | meshes of files; their convex hulls; the meshes and textures of a model |
+//! | `lengthrange` | the ranges of the lengths of muscles |
 //! | `constants` | fields that follow from others, by stages of the engine |
 //! | `complete`, `check`, `features`, `meshes`, `values` | fields left out; refusal of models that the engine cannot run |
 //! | `figures` | the model as a table |
@@ -30,9 +31,11 @@ pub mod hull;
 mod inertia;
 mod joint;
 mod keyframe;
+mod lengthrange;
 pub mod mesh;
 mod meshes;
 mod sensor;
+mod sleep;
 mod source;
 mod tendon;
 mod textures;
@@ -72,14 +75,15 @@ pub(super) fn compile(spec: &Spec) -> Result<Box<CompiledModel>> {
     assets::add_meshes(&mut m, spec, meshes);
     scale_mass(&mut m, spec.compiler.total_mass);
     check_mass(&m, &kept)?;
-    mark_simple(&mut m);
     add_looks(&mut m, spec, &looks)?;
     contact::add_excludes(&mut m, spec)?;
     contact::add_pairs(&mut m, spec)?;
     tendon::add_tendons(&mut m, spec)?;
+    mark_simple(&mut m);
     equality::add_equalities(&mut m, spec)?;
     actuator::add_actuators(&mut m, spec)?;
     sensor::add_sensors(&mut m, spec)?;
+    sleep::check(&m, spec, &kept)?;
     keyframe::add_keys(&mut m, spec)?;
     check_names(spec)?;
     Ok(m)
@@ -91,6 +95,7 @@ pub(super) fn finish(m: Box<CompiledModel>, spec: &Spec) -> Result<Model> {
     let mut m = with_constants(m)?;
     state_statistics(&mut m, &spec.statistic);
     add_spring_dampers(&mut m, spec);
+    lengthrange::add_length_ranges(&mut m, spec)?;
     Model::new(*m)
 }
 

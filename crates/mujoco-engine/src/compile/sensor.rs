@@ -20,13 +20,15 @@ pub(super) fn add_sensors(m: &mut CompiledModel, spec: &Spec) -> Result<()> {
         m.names.sensor.push(sensor.name.clone());
         m.sensor_adr.push(m.nsensordata());
         m.sensor_type.push(sensor.kind);
-        m.sensor_dim.push(sensor.kind.dim());
+        m.sensor_intprm.push(sensor.parameters);
         m.sensor_objtype.push(object.0);
         m.sensor_objid.push(object.1);
         m.sensor_reftype.push(reference.0);
         m.sensor_refid.push(reference.1);
         m.sensor_cutoff.push(sensor.cutoff);
         m.sensor_noise.push(sensor.noise);
+        let values = m.sensor_values(m.sensor_objid.len() - 1);
+        m.sensor_dim.push(values);
     }
     Ok(())
 }

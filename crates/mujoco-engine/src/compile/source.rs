@@ -18,17 +18,22 @@ impl Model {
     /// | `asset` | mesh, of a file (STL, OBJ, MSH) or of vertices in the text: scale, refpos, refquat, inertia, smoothnormal, maxhullvert; hfield, of a file (PNG, or MuJoCo's binary) or of elevations in the text |
     /// | `contact` | pair, exclude |
     /// | `equality` | connect, weld, joint, tendon |
-    /// | `tendon` | fixed, spatial (sites, pulleys, spheres and cylinders with side sites) |
-    /// | `actuator` | general, motor, position, velocity, intvelocity, damper, cylinder, muscle; on joints, tendons and sites |
-    /// | `sensor` | those of joints, tendons, actuators, sites, frames, subtrees, and the clock; touch, rangefinder, magnetometer |
+    /// | `tendon` | fixed, spatial (sites, pulleys, spheres and cylinders with side sites); springs, dampers, armature, limits |
+    /// | `actuator` | general, motor, position, velocity, intvelocity, damper, cylinder, muscle (also without lengthrange), adhesion; on joints, tendons, sites, slider-cranks and bodies |
+    /// | `sensor` | those of joints, tendons, actuators, sites, frames, subtrees, and the clock; touch, contact, magnetometer, insidesite, camprojection; rangefinder of sites and cameras; distance, normal, fromto |
     /// | `keyframe` | key |
     ///
     /// `asset` also gives materials and textures, of PNG files or builtin patterns, for pictures;
     /// `statistic` and `size` are read as in MuJoCo; `visual`, `custom`, `user` and skins are
     /// ignored. Text that is not quite XML (attributes without a space between them, `&` in values,
     /// `--` in comments) is read where libmujoco reads it, and a file that is a part of a model, with
-    /// `body` outermost, is a model without the part.
-    /// Composites, flexes and plugins are errors, and so are more than 1000 objects of a kind (sites:
+    /// `body` outermost, is a model without the part. What refers to a part of a `replicate` is copied
+    /// with it.
+    ///
+    /// Errors are composites, flexes, plugins, signed distance fields, models within models (`model`,
+    /// `attach`), sleeping (`flag sleep`, unless all bodies stay awake), surface velocities and adhesion
+    /// of geoms, delays, polynomial springs and dampers, the actuators dcmotor, pid and orientation, and
+    /// the sensors user, tactile and plugin; and so are more than 1000 objects of a kind (sites:
     /// 200,000 elements together) and more than 8 MiB of names, both with the copies that `replicate`
     /// makes, and files of meshes or of height fields with more than 256 MiB together.
     ///

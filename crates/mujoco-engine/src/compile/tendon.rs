@@ -35,6 +35,14 @@ pub(super) fn add_tendons(m: &mut CompiledModel, spec: &Spec) -> Result<()> {
         m.tendon_stiffness.push(tendon.stiffness);
         m.tendon_damping.push(tendon.damping);
         m.tendon_frictionloss.push(tendon.friction_loss);
+        m.tendon_armature.push(tendon.armature);
+        let around = m.wrap_type[first..]
+            .iter()
+            .any(|kind| matches!(kind, WrapType::Sphere | WrapType::Cylinder));
+        if around && tendon.armature != 0.0 {
+            let reason = "does not go with a path around geoms";
+            return Err(place.attribute("armature", reason));
+        }
         m.tendon_lengthspring.push(tendon.spring_length);
         m.tendon_solref_lim.push(tendon.solref);
         m.tendon_solimp_lim.push(tendon.solimp);

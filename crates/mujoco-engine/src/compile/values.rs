@@ -84,7 +84,7 @@ fn all_finite(m: &CompiledModel) -> Result<()> {
     all_finite!(
         flat:
             body_gravcomp dof_frictionloss tendon_margin tendon_stiffness tendon_damping
-            tendon_frictionloss tendon_length0 tendon_invweight0 actuator_length0 actuator_acc0
+            tendon_frictionloss tendon_armature actuator_cranklength tendon_length0 tendon_invweight0 actuator_length0 actuator_acc0
             sensor_cutoff sensor_noise pair_margin pair_gap qpos0 qpos_spring body_mass
             body_subtreemass jnt_margin jnt_stiffness dof_armature dof_damping dof_invweight0 dof_m0
             geom_rbound geom_solmix geom_margin geom_gap wrap_prm key_time cam_fovy;
@@ -115,7 +115,7 @@ fn non_negative(m: &CompiledModel) -> Result<()> {
     let arrays = arrays!(
         flat:
             body_mass jnt_margin jnt_stiffness dof_armature dof_damping dof_frictionloss
-            geom_rbound geom_solmix tendon_stiffness tendon_damping tendon_frictionloss
+            geom_rbound geom_solmix tendon_stiffness tendon_damping tendon_frictionloss tendon_armature
             sensor_cutoff sensor_noise;
         rows: body_inertia geom_friction
     );

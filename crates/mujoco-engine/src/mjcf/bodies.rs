@@ -5,7 +5,7 @@ use std::rc::Rc;
 use super::MOST;
 use super::defaults::Classes;
 use super::orientation::{Orientation, unit, within};
-use super::spec::{Body, Frame, Inertial, Joint, Spec};
+use super::spec::{Body, Frame, Inertial, Joint, Sleep, Spec};
 use super::xml::Element;
 use crate::Result;
 use crate::math::spatial::{InTurn, Order, add, rotate};
@@ -162,7 +162,13 @@ impl<'s> Bodies<'s> {
         let class = self
             .classes
             .named(&mut element, "childclass", around.class)?;
-        element.keyword("sleep", &[("auto", ())])?;
+        let policies = [
+            ("auto", Sleep::Auto),
+            ("never", Sleep::Never),
+            ("allowed", Sleep::Allowed),
+            ("init", Sleep::Init),
+        ];
+        element.set_keyword("sleep", &policies, &mut body.sleep)?;
         element.ignore("user");
         self.spec.bodies.push(body);
         if self.spec.bodies.len() > MOST {
@@ -212,6 +218,9 @@ impl<'s> Bodies<'s> {
             .classes
             .named(&mut element, "childclass", around.class)?;
         let separator = element.text("sep")?.unwrap_or_default();
+        // MuJoCo takes this attribute and does nothing with it
+        element.ignore("prefix");
+        self.spec.replicates = true;
         let mut open = Open::new(element, around.id, class)?;
         open.children = Vec::new().into_iter();
         open.copies = Some(Copies {
@@ -267,6 +276,21 @@ impl<'s> Bodies<'s> {
         let length = name.len() + around.suffix.len();
         self.bytes.add(length, element, "name")?;
         Ok(Some(name + &around.suffix))
+    }
+
+    /// Adds the suffix of the copy to the target of a camera or light.
+    fn suffix_target(
+        &mut self,
+        target: &mut Option<String>,
+        element: &Element<'_, '_>,
+        around: &Open<'_, '_>,
+    ) -> Result<()> {
+        if let Some(name) = target {
+            let length = name.len() + around.suffix.len();
+            self.bytes.add(length, element, "target")?;
+            name.push_str(&around.suffix);
+        }
+        Ok(())
     }
 
     /// Reads an element of a body that contains no bodies.
@@ -344,14 +368,16 @@ impl<'s> Bodies<'s> {
                 let mut camera = class.camera.clone();
                 (camera.name, camera.frame) = (name, frame);
                 camera.read(&mut child)?;
-                let target = camera.target.as_ref().map_or(0, String::len);
-                self.bytes.add(target, &child, "target")?;
+                self.suffix_target(&mut camera.target, &child, around)?;
+                let parts = &mut self.spec.bodies[id];
                 parts.cameras.push(camera);
             }
             _ => {
                 let mut light = class.light.clone();
                 (light.name, light.frame) = (name, frame);
                 light.read(&mut child)?;
+                self.suffix_target(&mut light.target, &child, around)?;
+                let parts = &mut self.spec.bodies[id];
                 parts.lights.push(light);
             }
         }

@@ -7,6 +7,7 @@
 //! [`Model::from_xml`](crate::Model::from_xml) lists what is supported.
 
 mod bodies;
+mod copies;
 mod defaults;
 pub(crate) mod files;
 pub(crate) mod orientation;

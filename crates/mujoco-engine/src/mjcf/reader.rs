@@ -2,6 +2,7 @@
 
 use super::MOST;
 use super::bodies::Bodies;
+use super::copies::copy_references;
 use super::defaults::Classes;
 use super::files::Files;
 use super::spec::{
@@ -92,6 +93,11 @@ impl Reader<'_> {
                 "keyframe" => self.read_keys(section)?,
                 _ => {}
             }
+        }
+        if self.spec.replicates {
+            let sections = root.children()?.into_iter();
+            let worlds = sections.filter(|section| section.name() == "worldbody");
+            copy_references(self.spec, worlds.collect())?;
         }
         Ok(())
     }
@@ -198,7 +204,10 @@ impl Reader<'_> {
         for name in ["fwdinv", "invdiscrete"] {
             element.keyword(name, &words)?;
         }
-        for name in ["override", "sleep", "diagexact"] {
+        if let Some(enabled) = element.keyword("sleep", &words)? {
+            self.spec.sleep = enabled.then(|| element.place());
+        }
+        for name in ["override", "diagexact"] {
             element.keyword(name, &[("disable", ())])?;
         }
         element.finish_without_children()

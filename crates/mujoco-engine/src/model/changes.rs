@@ -110,4 +110,6 @@ changes! {
     shows_tendon_forces since V4_0;
     /// The torque of a weld constraint in `cfrc_ext` is that in the world.
     turns_weld_torques since V4_0;
+    /// A sensor of the sum of contacts has a normal and a tangent only if there is a contact.
+    sums_no_contacts_to_zero since V4_0;
 }

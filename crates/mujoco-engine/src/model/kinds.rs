@@ -148,10 +148,14 @@ numbered! {
         Joint = 0,
         /// A joint; the axis of a ball or free joint is given in the parent's frame.
         JointInParent = 1,
+        /// A site that is the pin of a crank, whose rod moves a slider.
+        SliderCrank = 2,
         /// A tendon.
         Tendon = 3,
         /// A site.
         Site = 4,
+        /// A body, which adheres to what it touches.
+        Body = 5,
     }
 }
 

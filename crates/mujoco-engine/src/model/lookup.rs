@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use super::{CompiledModel, GeomType, ObjectType};
+use super::{CompiledModel, GeomType, ObjectType, SensorType};
 
 impl CompiledModel {
     /// Number of position coordinates.
@@ -114,6 +114,22 @@ impl CompiledModel {
     #[must_use]
     pub fn nsensordata(&self) -> usize {
         self.sensor_dim.iter().sum()
+    }
+
+    /// The number of values of a sensor that its parameters give.
+    pub(crate) fn sensor_values(&self, i: usize) -> usize {
+        let [bits, _, number] = self.sensor_intprm[i];
+        let count = |number: i32| usize::try_from(number).unwrap_or(0);
+        let id = usize::try_from(self.sensor_objid[i]).ok();
+        let camera = id.and_then(|id| self.cam_resolution.get(id));
+        let number = match (self.sensor_type[i], self.sensor_objtype[i], camera) {
+            (SensorType::Contact, ..) => count(number),
+            (SensorType::Rangefinder, ObjectType::Camera, Some(&[width, height])) => {
+                count(width).saturating_mul(count(height)).min(1 << 24)
+            }
+            _ => 1,
+        };
+        self.sensor_type[i].values(bits, number)
     }
 
     /// The last degree of freedom of a body, or of its nearest ancestor that has one; -1 if there

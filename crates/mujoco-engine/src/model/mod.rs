@@ -40,7 +40,7 @@ pub(crate) use pairs::{Pair, Polygons, Reach, signature};
 pub(crate) use plan::{Bounds, Limit, Plan};
 pub use revision::Revision;
 pub use sensors::SensorType;
-pub(crate) use sensors::{About, Stage};
+pub(crate) use sensors::{About, CONTACT, RAY, Stage};
 pub use shared::Shared;
 pub(crate) use softness::{SOLIMP, SOLREF, Softness};
 pub use textures::{TextureType, Textures};
@@ -301,8 +301,10 @@ pub struct CompiledModel {
 
     /// Type of the transmission.
     pub actuator_trntype: Vec<TransmissionType>,
-    /// The joint, tendon or site, then the reference site or -1.
+    /// The joint, tendon, site or body, then the reference site, the slider's site, or -1.
     pub actuator_trnid: Vec<[i32; 2]>,
+    /// Length of the rod of a slider-crank.
+    pub actuator_cranklength: Vec<f64>,
     /// Gear: force or torque on each axis of the joint or site, per unit of actuator force.
     pub actuator_gear: Vec<[f64; 6]>,
     /// Type of the activation dynamics.
@@ -358,6 +360,8 @@ pub struct CompiledModel {
     pub tendon_damping: Vec<f64>,
     /// Friction loss.
     pub tendon_frictionloss: Vec<f64>,
+    /// Inertia along the tendon.
+    pub tendon_armature: Vec<f64>,
     /// Lengths between which the spring is slack.
     pub tendon_lengthspring: Vec<[f64; 2]>,
     /// Length in the initial configuration.
@@ -410,6 +414,9 @@ pub struct CompiledModel {
     pub sensor_reftype: Vec<ObjectType>,
     /// The reference object; -1 for the world.
     pub sensor_refid: Vec<i32>,
+    /// For contacts: the values of each as bits, 0 all, 1 nearest, 2 strongest or 3 the sum, and the
+    /// number of contacts. For rangefinders: the values as bits.
+    pub sensor_intprm: Vec<[i32; 3]>,
     /// Number of values.
     pub sensor_dim: Vec<usize>,
     /// Index of the first value in `sensordata`.

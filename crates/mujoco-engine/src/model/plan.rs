@@ -10,10 +10,11 @@ use super::frames::{self, Body, Joint, Mount};
 use super::pairs::{Pair, Polygons, Reach, most_contacts};
 use super::paths::Paths;
 use super::{
-    CompiledModel, Cone, Disable, Integrator, JointType, Softness, Stage, TransmissionType,
-    actuators,
+    About, CompiledModel, Cone, Disable, Integrator, JointType, SensorType, Softness, Stage,
+    TransmissionType, actuators,
 };
 use crate::Result;
+use crate::error::ensure;
 use crate::math::spatial::MINVAL;
 
 /// Precomputed structure of a model.
@@ -67,6 +68,8 @@ pub(crate) struct Plan {
     pub(crate) periods: Vec<f64>,
     /// Whether a tendon limits the total force of its actuators.
     pub(crate) tendon_forces: bool,
+    /// Whether a tendon has inertia.
+    pub(crate) tendon_armature: bool,
     /// Whether a body has gravity compensation.
     pub(crate) gravcomp: bool,
     /// Whether sensors or energies must be computed.
@@ -193,6 +196,7 @@ impl Plan {
             transmits: actuators::transmits(m),
             periods: actuators::periods(m),
             tendon_forces: m.tendon_actfrclimited.contains(&true),
+            tendon_armature: m.tendon_armature.iter().any(|x| *x != 0.0),
             gravcomp: !off(Disable::Gravity)
                 && m.opt.gravity != [0.0; 3]
                 && m.body_gravcomp.iter().any(|part| *part != 0.0),
@@ -231,8 +235,14 @@ impl Plan {
         if constraints && !off(Disable::Contact) {
             plan.pairs = plan.find_pairs(m)?;
         }
+        ensure!(
+            !off(Disable::NativeCcd) || !plan.pairs.iter().any(Pair::is_convex),
+            "the flag nativeccd is disabled, and contacts by libccd, of ellipsoids, cylinders or meshes \
+             with other shapes, are not supported: enable it"
+        );
         plan.deep = {
-            let deep = plan.pairs.iter().any(Pair::is_convex);
+            let measured = |kind: &SensorType| kind.about() == About::Pair;
+            let deep = plan.pairs.iter().any(Pair::is_convex) || m.sensor_type.iter().any(measured);
             deep.then(|| Polygons::new(m))
         };
         let paths = plan.measures || plan.paths.fixed.contains(&false);
@@ -244,8 +254,10 @@ impl Plan {
         if plan.pairs.iter().any(|pair| pair.swept) {
             plan.geoms_read.fill(true);
         }
-        plan.sites_read =
-            paths || m.neq() > 0 || m.actuator_trntype.contains(&TransmissionType::Site);
+        plan.sites_read = paths
+            || m.neq() > 0
+            || m.actuator_trntype.contains(&TransmissionType::Site)
+            || m.actuator_trntype.contains(&TransmissionType::SliderCrank);
         let tree = |body: usize| Tree::new(m, body, m.geoms_of(body));
         plan.bounds = (0..m.nbody()).map(tree).collect();
         plan.reaches = plan.pairs.iter().map(Reach::new).collect();

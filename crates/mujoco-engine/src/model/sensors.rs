@@ -58,6 +58,16 @@ pub(crate) enum About {
     Frame,
     /// A body, geom, site or camera, optionally in the frame of another.
     Relative,
+    /// A body, geom, site or camera, and a site.
+    Inside,
+    /// A site and a camera.
+    Projection,
+    /// A geom, a body's geoms, bodies or a site, or anything, and another.
+    Contact,
+    /// Two geoms or bodies.
+    Pair,
+    /// A site or a camera.
+    Ray,
 }
 
 /// A stage of a forward call.
@@ -84,7 +94,9 @@ sensors! {
     /// The magnetic field in a site's frame.
     "magnetometer" Magnetometer = 6, Site, 3, Position;
     /// Distance from a site along its z axis to the nearest geom; -1 if there is none.
-    "rangefinder" Rangefinder = 7, Site, 1, Position;
+    "rangefinder" Rangefinder = 7, Ray, 1, Position;
+    /// The place of a site in a camera's picture, in pixels.
+    "camprojection" CamProjection = 8, Projection, 2, Position;
     /// Position of a slide or hinge.
     "jointpos" JointPos = 9, Joint, 1, Position;
     /// Velocity of a slide or hinge.
@@ -143,6 +155,16 @@ sensors! {
     "subtreelinvel" SubtreeLinVel = 36, Body, 3, Velocity;
     /// Angular momentum of a body with its descendants about their centre of mass.
     "subtreeangmom" SubtreeAngMom = 37, Body, 3, Velocity;
+    /// 1 if an object's position is within a site, else 0.
+    "insidesite" InsideSite = 38, Inside, 1, Position;
+    /// The distance of two geoms, or of the geoms of bodies, at most the cutoff.
+    "distance" GeomDist = 39, Pair, 1, Position;
+    /// The direction from the first to the second of two geoms nearer than the cutoff.
+    "normal" GeomNormal = 40, Pair, 3, Position;
+    /// The nearest points of two geoms nearer than the cutoff.
+    "fromto" GeomFromTo = 41, Pair, 6, Position;
+    /// Contacts.
+    "contact" Contact = 42, Contact, 1, Acceleration;
     /// Potential energy.
     "e_potential" EPotential = 43, Nothing, 1, Position;
     /// Kinetic energy.
@@ -151,13 +173,49 @@ sensors! {
     "clock" Clock = 45, Nothing, 1, Position;
 }
 
+/// The values of a ray, and their numbers.
+pub(crate) const RAY: [(&str, usize); 6] = [
+    ("dist", 1),
+    ("dir", 3),
+    ("origin", 3),
+    ("point", 3),
+    ("normal", 3),
+    ("depth", 1),
+];
+
+/// The values of a contact, and their numbers.
+pub(crate) const CONTACT: [(&str, usize); 7] = [
+    ("found", 1),
+    ("force", 3),
+    ("torque", 3),
+    ("dist", 1),
+    ("pos", 3),
+    ("normal", 3),
+    ("tangent", 3),
+];
+
 impl SensorType {
-    /// Whether the cutoff clamps the values: of `touch` above, of others on both sides. Axes and
-    /// quaternions are not clamped.
+    /// Whether the cutoff clamps the values: of `touch` above, of others on both sides. Axes,
+    /// quaternions, contacts and the nearest points of geoms are not clamped.
     #[must_use]
     pub fn has_cutoff(self) -> bool {
         let axes = [Self::FrameXAxis, Self::FrameYAxis, Self::FrameZAxis];
-        !axes.contains(&self) && !self.is_quaternion()
+        let others = [Self::GeomNormal, Self::GeomFromTo, Self::Contact];
+        !axes.contains(&self) && !others.contains(&self) && !self.is_quaternion()
+    }
+
+    /// The number of values of `number` contacts or pixels; `bits` select them.
+    pub(crate) fn values(self, bits: i32, number: usize) -> usize {
+        let sizes = match self {
+            Self::Contact => &CONTACT[..],
+            Self::Rangefinder => &RAY,
+            _ => return self.dim(),
+        };
+        let parts = sizes.iter().enumerate();
+        // without bits, the first value
+        let bits = bits.max(1);
+        let own = parts.filter(|(k, _)| bits & (1 << k) != 0);
+        own.map(|(_, (_, size))| size).sum::<usize>() * number
     }
 
     /// Whether the sensor returns a quaternion.

@@ -175,6 +175,11 @@ impl Constraints {
         &self.jac
     }
 
+    /// A row of the Jacobian, padded with zeros.
+    pub(super) fn row(&self, row: usize) -> &[f64] {
+        self.jac[row * self.stride..][..self.stride].as_flattened()
+    }
+
     /// Removes the last block, to which no rows were pushed yet.
     pub(super) fn pop_block(&mut self) {
         if let Some(block) = self.blocks.pop() {

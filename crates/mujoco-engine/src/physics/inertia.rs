@@ -50,6 +50,39 @@ pub fn crb(m: &Model, d: &mut Data) {
             true
         },
     );
+    if m.plan().tendon_armature {
+        add_tendon_armature(m, d);
+    }
+}
+
+/// Adds the inertia along tendons, where the matrix has elements: MuJoCo's `mj_tendonArmature`.
+#[cold]
+fn add_tendon_armature(m: &Model, d: &mut Data) {
+    let plan = m.plan();
+    for (t, armature) in m.tendon_armature.iter().enumerate() {
+        if *armature == 0.0 {
+            continue;
+        }
+        let row = plan.paths.rows[t].clone();
+        let columns = &plan.paths.columns[row.clone()];
+        let arms = &d.ten_j[row];
+        for (&i, &arm) in columns.iter().zip(arms) {
+            if arm == 0.0 {
+                continue;
+            }
+            let factor = armature * arm;
+            let within = if m.dof_simplenum[i] > 0 {
+                plan.m_diagonal(i)..plan.m_diagonal(i) + 1
+            } else {
+                plan.m_row(i)
+            };
+            for k in within {
+                if let Some(at) = columns.iter().position(|c| *c == plan.m_colind[k]) {
+                    d.qm[k] += arms[at] * factor;
+                }
+            }
+        }
+    }
 }
 
 /// Reads the motion axes of the first degrees of freedom, each the parent of the next one. Returns

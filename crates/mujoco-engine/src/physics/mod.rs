@@ -53,7 +53,9 @@ mod collision;
 mod com;
 mod constraint;
 mod contact_force;
+mod contact_sensor;
 mod data;
+mod distance_sensor;
 mod energy;
 mod fluid;
 mod fluid_slopes;
@@ -75,6 +77,7 @@ pub mod lanes;
 mod muscle;
 mod passive;
 mod post_constraint;
+mod range_sensor;
 mod ray;
 mod rows;
 mod sensor;
@@ -104,6 +107,7 @@ pub use rows::make_constraint;
 use sensor::sensors;
 pub use solver::fwd_constraint;
 pub use tendon::{tendon, tendon_velocity};
+pub(crate) use transmission::moment;
 pub use transmission::{transmission, transmission_velocity};
 pub use velocity::{com_vel, rne};
 pub(crate) use work::Work;
@@ -297,6 +301,11 @@ fn fwd_velocity(m: &Model, d: &mut Data) {
     passive(m, d);
     reference_constraint(m, d);
     rne(m, d);
+    if m.plan().tendon_armature {
+        let mut forces = std::mem::take(&mut d.qfrc_bias);
+        tendon::add_bias(m, d, &mut forces);
+        d.qfrc_bias = forces;
+    }
 }
 
 /// Computes the accelerations without constraints: MuJoCo's `mj_fwdAcceleration`.

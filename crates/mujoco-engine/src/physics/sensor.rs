@@ -3,14 +3,16 @@
 use super::contact_force::contact_force;
 use super::energy::{computed, kinetic, potential};
 use super::post_constraint::rne_post_constraint;
-use super::ray::{ray, ray_shape};
+use super::ray::ray_shape;
 use super::tendon::pulling;
+use super::{contact_sensor, distance_sensor, range_sensor};
+use crate::math::libm;
 use crate::math::spatial::{
-    InTurn, MINVAL, Mat3, Order, Pairwise, Quat, Vec3, Vec6, add, column, cross, join, normalize,
-    rotate, rotate_back, rotate_back6, rotation, scale, sub, transform_force, transform_motion,
-    translation,
+    InTurn, MINVAL, Mat3, Order, Pairwise, Quat, Vec3, Vec6, add, column, cross, dot, join,
+    normalize, rotate, rotate_back, rotate_back6, rotation, scale, sub, transform_force,
+    transform_motion, translation,
 };
-use crate::model::{Disable, ObjectType, SensorType, Stage};
+use crate::model::{About, Disable, ObjectType, SensorType, Stage};
 use crate::physics::constraint::Source;
 use crate::{Contact, Data, Model};
 
@@ -43,6 +45,22 @@ pub(super) fn sensors(m: &Model, d: &mut Data, stages: &[Stage]) {
         if !stages.contains(&stage) {
             continue;
         }
+        let kind = m.sensor_type[i];
+        let (first, dim, cutoff) = (m.sensor_adr[i], m.sensor_dim[i], m.sensor_cutoff[i]);
+        if matches!(kind.about(), About::Contact | About::Pair | About::Ray) {
+            let mut all = std::mem::take(&mut d.sensordata);
+            let out = &mut all[first..first + dim];
+            match kind.about() {
+                About::Contact => contact_sensor::read(m, d, i, out),
+                About::Pair => distance_sensor::read(m, d, i, out),
+                _ => range_sensor::read(m, d, i, out),
+            }
+            if kind.has_cutoff() && cutoff > 0.0 {
+                out.iter_mut().for_each(|x| *x = x.max(-cutoff).min(cutoff));
+            }
+            d.sensordata = all;
+            continue;
+        }
         let numbers = match stage {
             Stage::Position => {
                 if m.revision.adds_in_pairs() {
@@ -54,8 +72,6 @@ pub(super) fn sensors(m: &Model, d: &mut Data, stages: &[Stage]) {
             Stage::Velocity => of_velocity(m, d, i),
             Stage::Acceleration => of_acceleration(m, d, i),
         };
-        let (first, dim, cutoff) = (m.sensor_adr[i], m.sensor_dim[i], m.sensor_cutoff[i]);
-        let kind = m.sensor_type[i];
         for (out, number) in d.sensordata[first..first + dim].iter_mut().zip(numbers) {
             *out = if cutoff <= 0.0 || !kind.has_cutoff() {
                 number
@@ -91,7 +107,7 @@ fn quat_of<O: Order>(m: &Model, d: &Data, kind: ObjectType, id: usize) -> Quat {
 }
 
 /// The body, position and orientation of an object.
-fn frame_of(m: &Model, d: &Data, kind: ObjectType, id: usize) -> (usize, Vec3, Mat3) {
+pub(super) fn frame_of(m: &Model, d: &Data, kind: ObjectType, id: usize) -> (usize, Vec3, Mat3) {
     match kind {
         ObjectType::Body => (id, d.xipos[id], d.ximat[id]),
         ObjectType::Geom => (m.geom_bodyid[id], d.geom_xpos[id], d.geom_xmat[id]),
@@ -99,8 +115,25 @@ fn frame_of(m: &Model, d: &Data, kind: ObjectType, id: usize) -> (usize, Vec3, M
         ObjectType::Camera => {
             let body = m.cam_bodyid[id];
             let pos = add(rotate(&d.xmat[body], m.cam_pos[id]), d.xpos[body]);
-            let quat = InTurn::mul_quat(d.xquat[body], m.cam_quat[id]);
-            (body, pos, InTurn::quat_to_mat(quat))
+            let target = match (m.cam_mode[id], usize::try_from(m.cam_targetbodyid[id])) {
+                (3, Ok(target)) => Some(d.xpos[target]),
+                (4, Ok(target)) => Some(d.subtree_com[target]),
+                _ => None,
+            };
+            let Some(target) = target else {
+                let (outer, own) = (d.xquat[body], m.cam_quat[id]);
+                let mat = if m.revision.adds_in_pairs() {
+                    Pairwise::quat_to_mat(Pairwise::mul_quat(outer, own))
+                } else {
+                    InTurn::quat_to_mat(InTurn::mul_quat(outer, own))
+                };
+                return (body, pos, mat);
+            };
+            let z = normalize(sub(pos, target)).0;
+            let x = normalize(cross([0.0, 0.0, 1.0], z)).0;
+            let y = normalize(cross(z, x)).0;
+            let mat = [0, 1, 2].map(|k| [x[k], y[k], z[k]]);
+            (body, pos, std::array::from_fn(|i| mat[i / 3][i % 3]))
         }
         _ => (id, d.xpos[id], d.xmat[id]),
     }
@@ -125,11 +158,6 @@ fn of_position<O: Order>(m: &Model, d: &Data, i: usize) -> Quat {
     let ((kind, id), reference) = objects(m, i);
     match m.sensor_type[i] {
         SensorType::Magnetometer => three(rotate_back(&d.site_xmat[id], m.opt.magnetic)),
-        SensorType::Rangefinder => {
-            let along = column(&d.site_xmat[id], 2);
-            let found = ray(m, d, d.site_xpos[id], along, Some(m.site_bodyid[id]));
-            one(found.map_or(-1.0, |(distance, _)| distance))
-        }
         SensorType::JointPos => one(d.qpos[m.jnt_qposadr[id]]),
         SensorType::TendonPos => one(d.ten_length[id]),
         SensorType::ActuatorPos => one(d.actuator_length[id]),
@@ -166,6 +194,24 @@ fn of_position<O: Order>(m: &Model, d: &Data, i: usize) -> Quat {
                     O::mul_quat([w, -x, -y, -z], quat)
                 }
             }
+        }
+        SensorType::InsideSite => {
+            let site = reference.map_or(0, |(_, site)| site);
+            let point = match kind {
+                // of bodies without mass
+                ObjectType::Body
+                    if id > 0 && m.body_mass[id] < MINVAL && m.body_subtreemass[id] >= MINVAL =>
+                {
+                    d.subtree_com[id]
+                }
+                _ => frame_of(m, d, kind, id).1,
+            };
+            one(f64::from(inside(m, d, site, point)))
+        }
+        SensorType::CamProjection => {
+            let camera = reference.map_or(0, |(_, camera)| camera);
+            let [x, y] = projection(m, d, camera, d.site_xpos[id]);
+            [x, y, 0.0, 0.0]
         }
         SensorType::SubtreeCom => three(d.subtree_com[id]),
         SensorType::EPotential => one(potential(m, d)),
@@ -280,6 +326,63 @@ pub(super) fn touch_of(
         }
     }
     sum
+}
+
+/// Whether a point is within a site: MuJoCo's `mju_insideGeom`.
+pub(super) fn inside(m: &Model, d: &Data, site: usize, point: Vec3) -> bool {
+    let [r, half, _] = m.site_size[site];
+    let size = m.site_size[site];
+    let apart = sub(point, d.site_xpos[site]);
+    let at = rotate_back(&d.site_xmat[site], apart);
+    let across = at[0] * at[0] + at[1] * at[1];
+    match m.site_type[site] {
+        2 => dot(apart, apart) < r * r,
+        3 => {
+            let beyond = at[2] - at[2].clamp(-half, half);
+            across + beyond * beyond < r * r
+        }
+        4 => {
+            (0..3)
+                .map(|k| at[k] * at[k] / (size[k] * size[k]))
+                .sum::<f64>()
+                < 1.0
+        }
+        5 => at[2].abs() < half && across < r * r,
+        6 => (0..3).all(|k| at[k].abs() < size[k]),
+        _ => false,
+    }
+}
+
+/// The place of a point in a camera's picture, in pixels: MuJoCo's `cam_project`.
+fn projection(m: &Model, d: &Data, camera: usize, point: Vec3) -> [f64; 2] {
+    let [width, height] = m.cam_resolution[camera].map(f64::from);
+    let [sensor, intrinsic] = [m.cam_sensorsize[camera], {
+        let [x, y, ..] = m.cam_intrinsic[camera];
+        [x, y]
+    }];
+    // in single precision, as MuJoCo
+    let focal = |axis: usize, pixels: f64| {
+        f64::from(intrinsic[axis] as f32 / sensor[axis] as f32 * pixels as f32)
+    };
+    let [fx, fy] = if sensor[0] != 0.0 && sensor[1] != 0.0 {
+        [focal(0, width), focal(1, height)]
+    } else {
+        let (sin, cos) = libm::sin_cos(m.cam_fovy[camera] * std::f64::consts::PI / 360.0);
+        [0.5 / (sin / cos) * height; 2]
+    };
+    let (_, pos, axes) = frame_of(m, d, ObjectType::Camera, camera);
+    let [x, y, z] = rotate_back(&axes, sub(point, pos));
+    let depth = if z.abs() >= MINVAL {
+        z
+    } else if z < 0.0 {
+        -MINVAL
+    } else {
+        MINVAL
+    };
+    [
+        -fx * (x / depth) + 0.5 * width,
+        fy * (y / depth) + 0.5 * height,
+    ]
 }
 
 /// Whether no degree of freedom moves a body.

@@ -2,9 +2,12 @@
 
 use super::jacobian::{moves_apart, sum_along};
 use super::wrap::{Obstacle, wrap};
-use crate::math::dense::dot_sparse;
-use crate::math::spatial::{Vec3, norm, normalize, sub};
-use crate::model::{TransmissionType, WrapType};
+use crate::math::dense::{Lanes, dot_sparse, total};
+use crate::math::spatial::{
+    MINVAL, Vec3, add, add_scaled, cross, cross_motion, dot, norm, normalize, rotation, scale, sub,
+    transform_motion, translation,
+};
+use crate::model::{JointType, TransmissionType, WrapType};
 use crate::{Data, Model};
 
 /// Computes lengths and Jacobians of the tendons: MuJoCo's `mj_tendon`.
@@ -38,6 +41,132 @@ fn velocities(m: &Model, d: &mut Data) {
     for (velocity, row) in d.ten_velocity.iter_mut().zip(&paths.rows) {
         let columns = &paths.columns[row.clone()];
         *velocity = dot_sparse(&d.ten_j[row.clone()], columns, &d.qvel);
+    }
+}
+
+/// Adds the forces that keep the inertia of tendons from changing their speed as their Jacobians
+/// change: MuJoCo's `mj_tendonBias`.
+#[cold]
+pub(super) fn add_bias(m: &Model, d: &mut Data, forces: &mut [f64]) {
+    for t in 0..m.ntendon() {
+        let armature = m.tendon_armature[t];
+        if armature == 0.0 || m.plan().paths.fixed[t] {
+            continue;
+        }
+        let mut change = 0.0;
+        along_path(m, d, t, |d, segment| {
+            add_change(m, d, &segment, &mut change);
+        });
+        let factor = armature * change;
+        if factor != 0.0 {
+            let paths = &m.plan().paths;
+            let row = paths.rows[t].clone();
+            for (&dof, arm) in paths.columns[row.clone()].iter().zip(&d.ten_j[row]) {
+                forces[dof] += factor * arm;
+            }
+        }
+    }
+}
+
+/// Adds the change of a segment's Jacobian per second, times the velocity: MuJoCo's `mj_tendonDot`.
+fn add_change(m: &Model, d: &Data, segment: &Segment, sum: &mut f64) {
+    let [(first, start), (second, end)] = segment.ends;
+    let velocity = |body: usize, point: Vec3| {
+        let com = d.subtree_com[m.body_rootid[body]];
+        translation(&transform_motion(&d.cvel[body], point, com))
+    };
+    let [begins, ends] = segment.ends.map(|(body, point)| velocity(body, point));
+    let (along, length) = normalize(sub(end, start));
+    let apart = sub(ends, begins);
+    let across = add_scaled(apart, along, -dot(along, apart));
+    let turning = scale(across, if length > MINVAL { 1.0 / length } else { 0.0 });
+    let chains = [first, second].map(|body| m.plan().chain(body));
+    let mut terms = Terms::new(m, segment.divisor, *sum);
+    let moved = |dof: usize| chains.map(|chain| chain.contains(&dof));
+    for dof in 0..m.nv() {
+        let (moved, joint) = (moved(dof), m.dof_jntid[dof]);
+        let turns = match m.jnt_type[joint] {
+            JointType::Ball => true,
+            JointType::Free => dof >= m.jnt_dofadr[joint] + 3,
+            _ => false,
+        };
+        let axis = d.cdof[dof];
+        let rate = if turns {
+            cross_motion(&d.cvel[m.dof_bodyid[dof]], &axis)
+        } else {
+            d.cdof_dot[dof]
+        };
+        let rate_of = |k: usize, velocity: Vec3| {
+            if !moved[k] {
+                return [0.0; 3];
+            }
+            let (body, point) = segment.ends[k];
+            let offset = sub(point, d.subtree_com[m.body_rootid[body]]);
+            let by_rate = cross(rotation(&rate), offset);
+            let by_motion = cross(rotation(&axis), velocity);
+            add(add(translation(&rate), by_rate), by_motion)
+        };
+        if moved != [false; 2] {
+            let rate = sub(rate_of(1, ends), rate_of(0, begins));
+            terms.add(dof, sum_along(rate, along), d.qvel[dof]);
+        }
+    }
+    terms.finish();
+    for dof in 0..m.nv() {
+        let moved = moved(dof);
+        if moved != [false; 2] {
+            let points = [1, 0].map(|k| (moved[k], segment.ends[k].0, segment.ends[k].1));
+            let moves = moves_apart(m, &d.cdof, &d.subtree_com, dof, points);
+            terms.add(dof, sum_along(moves, turning), d.qvel[dof]);
+        }
+    }
+    terms.finish();
+    *sum = terms.sum;
+}
+
+/// A sum over degrees of freedom in MuJoCo's order: with sparse Jacobians one after the other, with
+/// dense ones as `mju_dot`.
+struct Terms {
+    dense: bool,
+    nv: usize,
+    divisor: f64,
+    lanes: Lanes,
+    rest: f64,
+    sum: f64,
+}
+
+impl Terms {
+    fn new(m: &Model, divisor: f64, sum: f64) -> Self {
+        Self {
+            dense: match m.opt.jacobian {
+                0 => true,
+                1 => false,
+                _ => m.nv() < 60,
+            },
+            nv: m.nv(),
+            divisor,
+            lanes: [0.0; 4],
+            rest: 0.0,
+            sum,
+        }
+    }
+
+    fn add(&mut self, dof: usize, slope: f64, velocity: f64) {
+        if !self.dense {
+            self.sum += slope / self.divisor * velocity;
+        } else if dof < self.nv - self.nv % 4 {
+            self.lanes[dof % 4] += slope * velocity;
+        } else {
+            self.rest += slope * velocity;
+        }
+    }
+
+    /// Adds the terms so far to the sum.
+    fn finish(&mut self) {
+        if self.dense {
+            self.sum += (total(&self.lanes) + self.rest) / self.divisor;
+            (self.lanes, self.rest) = ([0.0; 4], 0.0);
+        }
     }
 }
 

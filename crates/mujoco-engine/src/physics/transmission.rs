@@ -2,14 +2,14 @@
 
 use std::ops::Range;
 
-use super::jacobian::{moves_at, sum_along};
+use super::jacobian::{moves_apart, moves_at, sum_along};
 use crate::math::dense::dot_sparse;
 use crate::math::spatial::{
-    InTurn, Order, Pairwise, Quat, Vec3, dot, quat_to_velocity, rotate, rotate_back, rotate_quat,
-    rotation, sub,
+    InTurn, Order, Pairwise, Quat, Vec3, add, column, cross, dot, quat_to_velocity, rotate,
+    rotate_back, rotate_quat, rotation, scale, sub,
 };
-use crate::model::{Disable, JointType, TransmissionType};
-use crate::{Data, Model};
+use crate::model::{Cone, Disable, JointType, TransmissionType};
+use crate::{Contact, Data, Model};
 
 /// The moment arms of the actuators: each actuator has a sparse row over the degrees of freedom
 /// that the actuator moves.
@@ -27,7 +27,8 @@ impl Moments {
         if m.plan().transmits {
             moments.rows.reserve(m.nu());
             moments.columns.reserve(m.nu() * m.nv());
-            moments.values.reserve(m.nu() * m.nv());
+            // the row of an actuator on a body needs twice as many while it is computed
+            moments.values.reserve((m.nu() + 1) * m.nv());
         }
         moments
     }
@@ -66,6 +67,16 @@ pub fn transmission(m: &Model, d: &mut Data) {
     d.work.moments = moments;
 }
 
+/// The moment arms of an actuator, dense.
+pub(crate) fn moment(d: &Data, actuator: usize, nv: usize) -> Vec<f64> {
+    let mut moment = vec![0.0; nv];
+    let (columns, values) = d.work.moments.row(actuator);
+    for (&dof, value) in columns.iter().zip(values) {
+        moment[dof] = *value;
+    }
+    moment
+}
+
 /// Computes `actuator_velocity`, which is 0 without actuation.
 pub fn transmission_velocity(m: &Model, d: &mut Data) {
     if m.opt.disables(Disable::Actuation) {
@@ -101,6 +112,14 @@ fn length<O: Order>(m: &Model, d: &Data, i: usize, moments: &mut Moments) -> f64
                 0.0
             }
         },
+        TransmissionType::SliderCrank => {
+            let rod = m.actuator_cranklength[i];
+            slider_crank(m, d, [id, reference as usize], rod, gear[0], moments)
+        }
+        TransmissionType::Body => {
+            adhesion(m, d, id, moments);
+            0.0
+        }
     }
 }
 
@@ -164,6 +183,119 @@ fn at_site(m: &Model, d: &Data, site: usize, force: Vec3, torque: Vec3, moments:
         let value = sum_along(moves, force) + sum_along(rotation(&d.cdof[dof]), torque);
         push_nonzero(moments, dof, value);
     }
+}
+
+/// The length and the moment arms of a slider-crank: the position of the slider, which a rod of
+/// length `rod` joins to the pin, along the z axis of its site.
+fn slider_crank(
+    m: &Model,
+    d: &Data,
+    [pin, slider]: [usize; 2],
+    rod: f64,
+    gear: f64,
+    moments: &mut Moments,
+) -> f64 {
+    let axis = column(&d.site_xmat[slider], 2);
+    let between = sub(d.site_xpos[pin], d.site_xpos[slider]);
+    let along = dot(between, axis);
+    let det = along * along + rod * rod - dot(between, between);
+    // the derivatives of the length by the axis and by the vector between the sites
+    let (length, by_axis, by_between) = if det <= 0.0 {
+        (along, between, axis)
+    } else {
+        let root = det.sqrt();
+        let share = 1.0 - along / root;
+        let by_between = add(scale(axis, share), scale(between, 1.0 / root));
+        (along - root, scale(between, share), by_between)
+    };
+    let bodies = [pin, slider].map(|site| m.site_bodyid[site]);
+    let chains = bodies.map(|body| m.plan().chain(body));
+    for dof in 0..m.nv() {
+        let moves = |at: usize, site: usize| {
+            if chains[at].contains(&dof) {
+                moves_at(
+                    m,
+                    &d.cdof,
+                    &d.subtree_com,
+                    dof,
+                    bodies[at],
+                    d.site_xpos[site],
+                )
+            } else {
+                [0.0; 3]
+            }
+        };
+        let turns = if chains[1].contains(&dof) {
+            cross(rotation(&d.cdof[dof]), axis)
+        } else {
+            [0.0; 3]
+        };
+        let apart = sub(moves(0, pin), moves(1, slider));
+        let mut value = 0.0;
+        for k in 0..3 {
+            value += by_axis[k] * turns[k] + by_between[k] * apart[k];
+        }
+        if value != 0.0 {
+            moments.push(dof, value * gear);
+        }
+    }
+    length * gear
+}
+
+/// The moment arms of adhesion: the mean of the directions of the normals of a body's contacts,
+/// inwards.
+fn adhesion(m: &Model, d: &Data, body: usize, moments: &mut Moments) {
+    let nv = m.nv();
+    let first = moments.values.len();
+    // dense rows, in which values are summed: of contacts that push, and of those in the gap
+    moments.columns.extend(0..nv);
+    moments.values.resize(first + 2 * nv, 0.0);
+    let (sums, within) = moments.values[first..].split_at_mut(nv);
+    let elliptic = m.opt.cone == Cone::Elliptic;
+    let own = |contact: &&Contact| contact.geom.map(|g| m.geom_bodyid[g]).contains(&body);
+    let mut count = 0_u32;
+    for contact in d.contact.iter().filter(own) {
+        let Ok(row) = usize::try_from(contact.efc_address) else {
+            continue;
+        };
+        count += 1;
+        let (rows, weight) = if contact.dim == 1 || elliptic {
+            (1, 1.0)
+        } else {
+            let directions = usize::from(contact.dim) - 1;
+            (2 * directions, 0.5 / directions as f64)
+        };
+        for row in row..row + rows {
+            for (sum, value) in sums.iter_mut().zip(d.efc.row(row)) {
+                *sum += value * weight;
+            }
+        }
+    }
+    let gap = |contact: &&Contact| contact.dist >= contact.includemargin;
+    for contact in d.contact.iter().filter(own).filter(gap) {
+        count += 1;
+        let frame = &contact.frame;
+        let bodies = contact.geom.map(|g| m.geom_bodyid[g]);
+        let chains = bodies.map(|body| m.plan().chain(body));
+        for (dof, sum) in within.iter_mut().enumerate() {
+            let points = [1, 0].map(|k| (chains[k].contains(&dof), bodies[k], contact.pos));
+            let apart = moves_apart(m, &d.cdof, &d.subtree_com, dof, points);
+            *sum += frame[0] * apart[0] + frame[1] * apart[1] + frame[2] * apart[2];
+        }
+    }
+    for (sum, within) in sums.iter_mut().zip(within) {
+        *sum += *within;
+    }
+    let mut kept = first;
+    for dof in 0..nv {
+        let value = moments.values[first + dof] * (-1.0 / f64::from(count.max(1_u32)));
+        if value != 0.0 {
+            (moments.columns[kept], moments.values[kept]) = (dof, value);
+            kept += 1;
+        }
+    }
+    moments.columns.truncate(kept);
+    moments.values.truncate(kept);
 }
 
 /// Computes the length and the moment arms of an actuator with a reference site: the length is the

@@ -190,6 +190,42 @@ fn refused() -> Vec<Refused> {
             "camera",
             Some("target"),
         ),
+        // sensors and actuators
+        other(
+            "<sensor><contact data=\"force found\"/></sensor>",
+            "contact",
+            Some("data"),
+        ),
+        other(
+            "<sensor><contact num=\"0\"/></sensor>",
+            "contact",
+            Some("num"),
+        ),
+        other(
+            "<sensor><contact body1=\"b\" geom1=\"g\"/></sensor>",
+            "contact",
+            Some("geom1"),
+        ),
+        other(
+            "<sensor><distance body1=\"b\"/></sensor>",
+            "distance",
+            Some("geom2"),
+        ),
+        other(
+            "<sensor><rangefinder/></sensor>",
+            "rangefinder",
+            Some("site"),
+        ),
+        other(
+            "<actuator><adhesion body=\"b\" ctrlrange=\"-1 1\"/></actuator>",
+            "adhesion",
+            Some("ctrlrange"),
+        ),
+        other(
+            "<actuator><motor joint=\"j\" cranklength=\"1\"/></actuator>",
+            "motor",
+            Some("slidersite"),
+        ),
         // damaged XML
         ("<mujoco>\n<worldbody>".into(), 1, "mujoco", None),
         ("".into(), 1, "mujoco", None),

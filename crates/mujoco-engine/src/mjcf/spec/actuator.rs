@@ -18,6 +18,8 @@ with_defaults! {
         /// The attribute that names the target, and the target's name.
         target: Option<(&'static str, String)> = None,
         reference_site: Option<String> = None,
+        slider_site: Option<String> = None,
+        crank_length: f64 = 0.0,
         gear: [f64; 6] = [1.0, 0.0, 0.0, 0.0, 0.0, 0.0],
         ctrl_range: [f64; 2] = [0.0; 2],
         ctrl_limited: Option<bool> = None,
@@ -41,7 +43,7 @@ with_defaults! {
 }
 
 /// The names of the elements.
-pub(crate) const KINDS: [&str; 8] = [
+pub(crate) const KINDS: [&str; 9] = [
     "general",
     "motor",
     "position",
@@ -50,9 +52,17 @@ pub(crate) const KINDS: [&str; 8] = [
     "damper",
     "cylinder",
     "muscle",
+    "adhesion",
 ];
 
-const TARGETS: [&str; 4] = ["joint", "jointinparent", "tendon", "site"];
+const TARGETS: [&str; 6] = [
+    "joint",
+    "jointinparent",
+    "tendon",
+    "cranksite",
+    "site",
+    "body",
+];
 
 impl Actuator {
     /// Whether an element `kind` can take parameters from these defaults, in 4.0.
@@ -74,7 +84,7 @@ impl Actuator {
         let (gain, bias, dynamics) = match kind {
             "motor" => (0..0, 0..0, 0..0),
             "position" | "intvelocity" => (0..1, 2..3, 0..usize::from(filtered)),
-            "velocity" => (0..1, 0..0, 0..0),
+            "velocity" | "adhesion" => (0..1, 0..0, 0..0),
             "damper" => (2..3, 0..0, 0..0),
             "cylinder" => (0..1, 0..3, 0..1),
             _ => (0..9, 0..0, 0..3),
@@ -107,6 +117,8 @@ impl Actuator {
             }
         }
         replace_some(&mut self.reference_site, element.text("refsite")?);
+        replace_some(&mut self.slider_site, element.text("slidersite")?);
+        replace(&mut self.crank_length, element.number("cranklength")?);
         element.up_to("gear", &mut self.gear)?;
         for (name, range) in [
             ("ctrlrange", &mut self.ctrl_range),
@@ -143,6 +155,16 @@ impl Actuator {
             }
             "damper" => self.read_damper(element),
             "cylinder" => self.read_cylinder(element),
+            "adhesion" => {
+                element.set_non_negative("gain", &mut self.gainprm[0])?;
+                self.ctrl_limited = Some(true);
+                self.imply(DynamicsType::None, GainType::Fixed, BiasType::None);
+                if self.ctrl_range.iter().any(|x| *x < 0.0) {
+                    let reason = "must not be negative here";
+                    return Err(self.place.attribute("ctrlrange", reason));
+                }
+                Ok(())
+            }
             _ => self.read_muscle(element),
         }
     }

@@ -17,12 +17,23 @@ pub(crate) struct Body {
     pub(crate) frame: Option<Frame>,
     pub(crate) mocap: bool,
     pub(crate) gravcomp: f64,
+    pub(crate) sleep: Sleep,
     pub(crate) inertial: Option<Inertial>,
     pub(crate) joints: Vec<Joint>,
     pub(crate) geoms: Vec<Geom>,
     pub(crate) sites: Vec<Site>,
     pub(crate) cameras: Vec<Camera>,
     pub(crate) lights: Vec<Light>,
+}
+
+/// When the tree of a body falls asleep.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(crate) enum Sleep {
+    #[default]
+    Auto,
+    Never,
+    Allowed,
+    Init,
 }
 
 /// The mass and inertia of a body as the text gives them.

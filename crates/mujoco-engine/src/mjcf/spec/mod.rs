@@ -32,7 +32,7 @@ mod tendon;
 mod texture;
 
 pub(crate) use actuator::{Actuator, KINDS as ACTUATORS};
-pub(crate) use body::{Body, Camera, Inertial, Light, Moments};
+pub(crate) use body::{Body, Camera, Inertial, Light, Moments, Sleep};
 pub(crate) use contact::{Exclude, Pair};
 pub(crate) use equality::{EQUALITIES, Equality};
 pub(crate) use hfield::Hfield;
@@ -46,7 +46,7 @@ pub(crate) use texture::{Mark, Material, Pattern, Pixels, Texture};
 
 use std::path::PathBuf;
 
-use super::xml::Element;
+use super::xml::{Element, Place};
 use crate::model::{Options, SOLIMP, SOLREF};
 use crate::{Error, Result, Revision};
 
@@ -92,6 +92,10 @@ pub(crate) struct Spec {
     pub(crate) textures: Vec<Texture>,
     pub(crate) meshes: Vec<Mesh>,
     pub(crate) hfields: Vec<Hfield>,
+    /// The flag `sleep`, if it is enabled.
+    pub(crate) sleep: Option<Place>,
+    /// Whether there are elements `replicate`.
+    pub(crate) replicates: bool,
     /// The world, then the others, each after its parent.
     pub(crate) bodies: Vec<Body>,
     pub(crate) excludes: Vec<Exclude>,
@@ -134,10 +138,66 @@ with_defaults! {
         strip_path: bool = false,
         /// Whether shapes are fitted to the bounds of a mesh, not to its inertia.
         fit_bounds: bool = false,
+        length_range: LengthRange = LengthRange::default(),
         fuse_static: bool = false,
         discard_visual: bool = false,
         align_free: bool = false,
         euler: Sequence = [(0, false), (1, false), (2, false)],
+    }
+}
+
+with_defaults! {
+    /// How the ranges of the lengths of actuators are measured.
+    struct LengthRange {
+        /// Whether those of muscles are, and those of other actuators.
+        muscles: bool = true,
+        others: bool = false,
+        use_existing: bool = true,
+        use_limit: bool = false,
+        acceleration: f64 = 20.0,
+        max_force: f64 = 0.0,
+        time_constant: f64 = 1.0,
+        timestep: f64 = 0.01,
+        total: f64 = 10.0,
+        interval: f64 = 2.0,
+        tolerance: f64 = 0.05,
+    }
+}
+
+impl LengthRange {
+    /// The largest number of timesteps.
+    const MOST_STEPS: f64 = 1e6;
+
+    fn read(&mut self, mut element: Element<'_, '_>) -> Result<()> {
+        let modes = [
+            ("none", (false, false)),
+            ("muscle", (true, false)),
+            ("muscleuser", (true, false)),
+            ("all", (true, true)),
+        ];
+        if let Some((muscles, others)) = element.keyword("mode", &modes)? {
+            (self.muscles, self.others) = (muscles, others);
+        }
+        replace(&mut self.use_existing, element.flag("useexisting")?);
+        replace(&mut self.use_limit, element.flag("uselimit")?);
+        element.set_non_negative("accel", &mut self.acceleration)?;
+        element.set_non_negative("maxforce", &mut self.max_force)?;
+        element.set_non_negative("timeconst", &mut self.time_constant)?;
+        replace(&mut self.timestep, element.positive("timestep")?);
+        element.set_non_negative("inttotal", &mut self.total)?;
+        element.set_non_negative("interval", &mut self.interval)?;
+        element.set_non_negative("tolrange", &mut self.tolerance)?;
+        if self.total / self.timestep > Self::MOST_STEPS {
+            let most = Self::MOST_STEPS;
+            let reason = format!("more than {most} timesteps are not supported");
+            return Err(element.place().attribute("inttotal", reason));
+        }
+        element.finish_without_children()
+    }
+
+    /// Whether the range of an actuator is measured.
+    pub(crate) fn wants(&self, muscle: bool) -> bool {
+        if muscle { self.muscles } else { self.others }
     }
 }
 
@@ -188,6 +248,7 @@ impl Compiler {
             if child.name() != "lengthrange" {
                 return Err(element.unsupported(&child, &["lengthrange"]));
             }
+            self.length_range.read(child)?;
         }
         element.finish()
     }

@@ -22,6 +22,7 @@ with_defaults! {
         friction_loss: f64 = 0.0,
         stiffness: f64 = 0.0,
         damping: f64 = 0.0,
+        armature: f64 = 0.0,
         /// The lengths between which the spring is slack; -1 for the length in the initial
         /// configuration.
         spring_length: [f64; 2] = [-1.0; 2],
@@ -57,10 +58,7 @@ impl Tendon {
         element.set_non_negative("frictionloss", &mut self.friction_loss)?;
         element.set_non_negative("stiffness", &mut self.stiffness)?;
         element.set_non_negative("damping", &mut self.damping)?;
-        if element.number("armature")?.is_some_and(|x| x != 0.0) {
-            let reason = "armature of tendons is not supported: use 0";
-            return Err(self.place.attribute("armature", reason));
-        }
+        element.set_non_negative("armature", &mut self.armature)?;
         if element.up_to("springlength", &mut self.spring_length)? == 1 {
             self.spring_length[1] = self.spring_length[0];
         }

@@ -169,6 +169,19 @@ pub(super) fn one(
     revision: Revision,
     polytope: &mut Polytope,
 ) -> Option<Touch> {
+    within(a, b, (grown, 0.0), revision, polytope)
+}
+
+/// Returns the deepest points of two shapes that overlap where each is grown by a part of the margin,
+/// or the nearest points of shapes no further apart than `most`.
+pub(super) fn within(
+    a: Solid<'_>,
+    b: Solid<'_>,
+    (grown, most): ([f64; 2], f64),
+    revision: Revision,
+    polytope: &mut Polytope,
+) -> Option<Touch> {
+    let near = |dist: f64| dist < 0.0 || (most > 0.0 && dist <= most);
     let grow = |(point, corner): (Vec3, u32), grown: f64, direction: Vec3| {
         if grown > 0.0 {
             (add_scaled(point, direction, grown), corner)
@@ -204,7 +217,7 @@ pub(super) fn one(
         let finite = |solid: Solid<'_>| solid.is_discrete() || solid.radius().is_some();
         let discrete = revision.shrinks_to_cores() && finite(a) && finite(b);
         let reach = reaches[0] + reaches[1];
-        let found = gjk::distance(centers, reach, (revision, discrete), &cores);
+        let found = gjk::distance(centers, reach + most, (revision, discrete), &cores);
         if found.distance > gjk::TOLERANCE {
             let [w1, w2] = found.nearest;
             let dist = found.distance - reach;
@@ -216,7 +229,7 @@ pub(super) fn one(
                     add_scaled(point, normal, by)
                 }
             };
-            return (dist < 0.0).then(|| Touch {
+            return near(dist).then(|| Touch {
                 dist,
                 points: [moved(w1, reaches[0]), moved(w2, -reaches[1])],
                 corners: corners(&found.simplex[..found.number]),
@@ -233,9 +246,13 @@ pub(super) fn one(
         revision,
         grown == [0.0; 2] && a.is_discrete() && b.is_discrete(),
     );
-    let found = gjk::distance(centers, 0.0, rules, &whole);
+    let found = gjk::distance(centers, most, rules, &whole);
     if found.distance > gjk::TOLERANCE || found.separated {
-        return None;
+        return near(found.distance).then(|| Touch {
+            dist: found.distance,
+            points: found.nearest,
+            corners: corners(&found.simplex[..found.number]),
+        });
     }
     let overlap = polytope.overlap(&found, rules, &whole)?;
     (overlap.depth > 0.0).then(|| Touch {

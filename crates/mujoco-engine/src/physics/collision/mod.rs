@@ -168,6 +168,77 @@ pub(in crate::physics) fn touch(
     }
 }
 
+/// The distance of two geoms and their nearest points, if it is less than `most`: MuJoCo's
+/// `mj_geomDistance`.
+pub(super) fn nearest(
+    m: &Model,
+    d: &mut Data,
+    geoms: [usize; 2],
+    most: f64,
+) -> Option<(f64, [Vec3; 2])> {
+    let shapes = geoms.map(|g| Shape {
+        pos: d.geom_xpos[g],
+        mat: &d.geom_xmat[g],
+        size: &m.geom_size[g],
+    });
+    let kinds = geoms.map(|g| m.geom_type[g]);
+    let flipped = u8::from(kinds[0]) > u8::from(kinds[1]);
+    let [first, second] = if flipped { [1, 0] } else { [0, 1] };
+    let (a, b) = (shapes[first], shapes[second]);
+    let mut least: Option<Hit> = None;
+    let mut push = |hit: Hit| {
+        if hit.dist < least.map_or(most, |least| least.dist) {
+            least = Some(hit);
+        }
+    };
+    let push: Push<'_> = &mut push;
+    let polytope = &mut d.work.polytope;
+    match (kinds[first], kinds[second]) {
+        (GeomType::Plane, GeomType::Plane | GeomType::Hfield) | (GeomType::Hfield, _) => {
+            return None;
+        }
+        (GeomType::Plane, GeomType::Sphere) => plane_sphere(a, b, most, push),
+        (GeomType::Plane, GeomType::Capsule) => plane_capsule(a, b, most, push),
+        (GeomType::Plane, GeomType::Cylinder) => plane_cylinder(a, b, most, push),
+        (GeomType::Plane, GeomType::Box) => plane_box(a, b, most, push),
+        (GeomType::Plane, GeomType::Ellipsoid) => {
+            convex::plane_ellipsoid(a, b, most, m.revision, push);
+        }
+        (GeomType::Plane, GeomType::Mesh) => {
+            let mesh = Mesh::of(m, geoms[second])?;
+            if m.revision.clips_faces() {
+                plane_polygon(a, b, &mesh, most, &mut polytope.features, push);
+            } else {
+                plane_neighbours(a, b, &mesh, m.geom_rbound[geoms[second]], most, push);
+            }
+        }
+        (GeomType::Sphere, GeomType::Sphere) => sphere_sphere(a, b, most, push),
+        (GeomType::Sphere, GeomType::Capsule) => sphere_capsule(a, b, most, push),
+        (GeomType::Sphere, GeomType::Cylinder) => sphere_cylinder(a, b, most, push),
+        (GeomType::Sphere, GeomType::Box) => sphere_box((a.pos, a.size[0]), b, most, push),
+        (GeomType::Capsule, GeomType::Capsule) => capsule_capsule(a, b, most, m.revision, push),
+        (GeomType::Capsule, GeomType::Box) => capsule_box(a, b, most, push),
+        _ => {
+            let meshes = [0, 1].map(|k| {
+                let is = kinds[k] == GeomType::Mesh;
+                Mesh::of(m, geoms[k]).filter(|_| is)
+            });
+            let [a, b] = [0, 1].map(|k| Solid {
+                kind: kinds[k],
+                shape: shapes[k],
+                mesh: meshes[k].as_ref(),
+                prism: None,
+            });
+            let touch = convex::within(a, b, ([0.0; 2], most), m.revision, polytope)?;
+            return Some((touch.dist, touch.points));
+        }
+    }
+    let hit = least?;
+    let half = if flipped { -0.5 } else { 0.5 } * hit.dist;
+    let end = |by: f64| add_scaled(hit.pos, hit.normal, by);
+    Some((hit.dist, [end(-half), end(half)]))
+}
+
 /// The contacts of pairs without a routine of their own.
 fn general(
     m: &Model,

@@ -45,6 +45,7 @@ pub(crate) fn fits(m: &Model, stride: &Stride) -> bool {
         && (stride.settles || !plan.measures)
         && sensors::fit(m, stride.sensors())
         && !plan.gravcomp
+        && !plan.tendon_armature
         && actuators::fit(m)
         && plan.constraints.tendon_limits.is_empty()
         && plan.boxes.iter().all(|(_, edges)| edges.is_some())

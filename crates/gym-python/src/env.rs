@@ -23,7 +23,7 @@ use crate::convert::{rendered, to_python};
 use crate::error::{OrRaise, guard};
 use crate::fork::Origin;
 use crate::numbers::Numbers;
-use crate::{mujoco, peek, registry};
+use crate::{goals, mujoco, peek, registry};
 
 /// An environment without wrappers. Calls of several threads run one after the other.
 ///
@@ -405,6 +405,27 @@ impl Env {
         let core = self.lock(py)?;
         let table = core.env.inspect().and_then(Inspect::table);
         Ok(table.and_then(|table| serde_json::from_value(table["desc"].clone()).ok()))
+    }
+
+    /// The rewards of `count` goals, whose numbers lie one after the other.
+    fn compute_reward<'py>(
+        &self,
+        py: Python<'py>,
+        achieved: &Bound<'py, PyArray1<f64>>,
+        desired: &Bound<'py, PyArray1<f64>>,
+        count: usize,
+    ) -> PyResult<Bound<'py, PyArray1<f64>>> {
+        goals::rewards(&self.lock(py)?.env, achieved, desired, count)
+    }
+
+    /// Whether a step that achieved a goal is terminated, and whether it is truncated.
+    fn compute_flags<'py>(
+        &self,
+        py: Python<'py>,
+        achieved: &Bound<'py, PyArray1<f64>>,
+        desired: &Bound<'py, PyArray1<f64>>,
+    ) -> PyResult<(bool, bool)> {
+        goals::flags(&self.lock(py)?.env, achieved, desired)
     }
 
     /// The state of a MuJoCo task, array by array.

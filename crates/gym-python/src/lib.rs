@@ -17,6 +17,7 @@ mod error;
 #[cfg(feature = "faults")]
 mod faults;
 mod fork;
+mod goals;
 mod infos;
 mod mujoco;
 mod numbers;

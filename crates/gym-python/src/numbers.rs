@@ -71,6 +71,22 @@ impl Numbers {
             ("gym-mujoco", "InvertedPendulum") if is_old => (Number::Float, 0.0),
             ("gym-mujoco", "InvertedPendulum") => (Number::Int, 0.0),
             ("gym-mujoco", _) => (Number::Float64, 0.0),
+            ("gym-robotics", task) if task.starts_with("Adroit") => {
+                let is_sparse = kwargs
+                    .get("reward_type")
+                    .is_some_and(|kind| kind == "sparse");
+                let is_sparse =
+                    is_sparse || task.ends_with("Sparse") && !kwargs.contains_key("reward_type");
+                (
+                    if is_sparse {
+                        Number::Float
+                    } else {
+                        Number::Float64
+                    },
+                    0.0,
+                )
+            }
+            ("gym-robotics", _) => (Number::Float64, 0.0),
             _ => (Number::Float, 0.0),
         };
         // with contact forces, Gymnasium's old Ant reports their cost under this key
@@ -80,7 +96,8 @@ impl Numbers {
         };
         Self {
             task: task.to_owned(),
-            is_mujoco: package == "gym-mujoco",
+            // AntMaze has Ant's infos
+            is_mujoco: package == "gym-mujoco" || task.starts_with("AntMaze"),
             is_old,
             reward,
             last_reward,

@@ -21,13 +21,16 @@ class ControlEnv(MujocoEnv):
     of the next call, since no package but this one steps these tasks.
     """
 
+    # the package whose tasks they are
+    _package = "dm_control"
+
     def __init__(self, *args: Any, **kwargs: Any) -> None:
         ClassEnv.__init__(self, *args, **kwargs)
 
     @classmethod
     @cache
     def _theirs(cls) -> Any:
-        raise AttributeError("Gymnasium has no class for the tasks of dm_control")
+        raise AttributeError(f"Gymnasium has no class for the tasks of {cls._package}")
 
     @property
     def _has_contact_forces(self) -> bool:
@@ -35,6 +38,6 @@ class ControlEnv(MujocoEnv):
 
     def _hand_over(self, cause: str, warn: bool = True) -> None:
         raise gymnasium.error.Error(
-            f"{cause} was changed, which this environment cannot take over: of a dm_control task, `qpos`, `qvel`, `qacc_warmstart` "
+            f"{cause} was changed, which this environment cannot take over: of a {self._package} task, `qpos`, `qvel`, `qacc_warmstart` "
             "and `time` of `data` can be written"
         )

@@ -1,0 +1,81 @@
+"""The tasks of Gymnasium-Robotics: mazes with goals, and hands."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from rustgym.env import ClassEnv
+from rustgym.envs.dm_control import ControlEnv
+
+__all__ = ["CLASSES", "AdroitEnv", "GoalEnv"]
+
+#: The package's class of the ids that begin so.
+CLASSES = {
+    "AdroitHandDoor": "AdroitHandDoorEnv",
+    "AdroitHandHammer": "AdroitHandHammerEnv",
+    "AdroitHandPen": "AdroitHandPenEnv",
+    "AdroitHandRelocate": "AdroitHandRelocateEnv",
+    "AntMaze": "AntMazeEnv",
+    "PointMaze": "PointMazeEnv",
+}
+
+
+class AdroitEnv(ClassEnv):
+    """A task of the Adroit hand, whose model is another in each episode: it is not shown."""
+
+
+def _rows(goal: npt.ArrayLike) -> npt.NDArray[np.float64]:
+    return np.asarray(goal, dtype=np.float64)
+
+
+class GoalEnv(ControlEnv):
+    """A task with goals: Gymnasium-Robotics' ``GoalEnv``.
+
+    The observation is a dict of ``observation``, ``achieved_goal`` and ``desired_goal``. It has the attributes of the MuJoCo tasks:
+    ``data``, ``model``, ``set_state``, ``dt``. ``qpos``, ``qvel``, ``qacc_warmstart`` and ``time`` of ``data`` can be written; any
+    other change is an error of the next call.
+    """
+
+    _package = "Gymnasium-Robotics"
+
+    @property
+    def _has_contact_forces(self) -> bool:
+        return True
+
+    def compute_reward(self, achieved_goal: npt.ArrayLike, desired_goal: npt.ArrayLike, info: Any) -> Any:
+        """The reward of a step that achieved one goal while another was desired.
+
+        Args:
+            achieved_goal: A goal (2 numbers), or a batch of them with further dimensions in front.
+            desired_goal: A goal, or a batch of the same form.
+            info: Not used.
+
+        Returns:
+            A ``float64`` for one pair of goals; for batches an array with the dimensions in front.
+
+        Raises:
+            ValueError: for goals of another size.
+        """
+        achieved, desired = np.broadcast_arrays(_rows(achieved_goal), _rows(desired_goal))
+        shape = achieved.shape[:-1]
+        rewards = self._native.compute_reward(achieved.reshape(-1), desired.reshape(-1), int(np.prod(shape)))
+        return rewards.reshape(shape)[()]
+
+    def compute_terminated(self, achieved_goal: npt.ArrayLike, desired_goal: npt.ArrayLike, info: Any) -> Any:
+        """Whether such a step terminates the episode: a ``bool``, for batches an array of them."""
+        return self._flags(achieved_goal, desired_goal, 0)
+
+    def compute_truncated(self, achieved_goal: npt.ArrayLike, desired_goal: npt.ArrayLike, info: Any) -> Any:
+        """Whether such a step truncates the episode, apart from the limit of time: a ``bool``, for batches an array of them."""
+        return self._flags(achieved_goal, desired_goal, 1)
+
+    def _flags(self, achieved_goal: npt.ArrayLike, desired_goal: npt.ArrayLike, which: int) -> Any:
+        achieved, desired = np.broadcast_arrays(_rows(achieved_goal), _rows(desired_goal))
+        if achieved.ndim <= 1:
+            return self._native.compute_flags(achieved.reshape(-1), desired.reshape(-1))[which]
+        pairs = zip(achieved.reshape(-1, achieved.shape[-1]), desired.reshape(-1, desired.shape[-1]), strict=True)
+        flags = [self._native.compute_flags(one.copy(), other.copy())[which] for one, other in pairs]
+        return np.array(flags, dtype=bool).reshape(achieved.shape[:-1])

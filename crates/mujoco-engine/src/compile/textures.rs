@@ -14,7 +14,9 @@ use crate::mjcf::spec::{Mark, Pattern, Pixels, Spec, Texture};
 use crate::model::{CompiledModel, TextureType};
 
 /// The largest number of bytes of all textures together.
-const MOST: usize = 128 << 20;
+const MOST: usize = 512 << 20;
+/// The largest number of pixels of a pattern.
+const MOST_OF_PATTERN: usize = 16 << 20;
 
 /// Adds the textures that materials have, and the materials.
 pub(super) fn add_textures(m: &mut CompiledModel, spec: &Spec) -> Result<()> {
@@ -176,6 +178,11 @@ impl Maker {
                 "builtin",
                 "needs a width and a height, in pixels".to_owned(),
             ));
+        }
+        if sides[0].saturating_mul(sides[1]) > MOST_OF_PATTERN {
+            let reason =
+                format!("a pattern of more than {MOST_OF_PATTERN} pixels: make it smaller");
+            return Err(("width", reason));
         }
         if texture.channels != 3 {
             return Err(("nchannel", "a builtin pattern has 3".to_owned()));

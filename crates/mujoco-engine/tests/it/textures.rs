@@ -161,7 +161,7 @@ fn files_give_their_pixels() {
         ),
         (
             r#"name="t" builtin="flat" width="100000""#,
-            "make them smaller",
+            "make it smaller",
         ),
         (r#"name="t" file="strip.png""#, "attribute \"gridsize\""),
         (r#"name="t" file="t.png" gridlayout="RX""#, "'X' is no face"),

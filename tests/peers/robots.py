@@ -109,8 +109,8 @@ def measure(file, steps, rates):
         answer = Path(folder) / "found/robot.json"
         found = json.loads(answer.read_text()) if answer.exists() else {"error": run.stderr.strip()}
     if "error" in found:
-        reason = re.sub(r"\S*/(?=[^/\s]+\.xml)", "", found["error"])
-        return result | {"refused": reason[-200:]}
+        reason = re.sub(r"\S*/(?=[^/\s])", "", found["error"])  # names without their folders
+        return result | {"refused": reason[:240]}
     difference = first_difference(marks, found["versions"][version]["episode"])
     if rates is None:
         runs = [xtask("mjcf", file, "--mujoco", version, "--steps", steps).stdout for _ in range(3)]
@@ -120,7 +120,7 @@ def measure(file, steps, rates):
 
 
 def sheet(robots):
-    """Draws the robots, smaller and in one picture of 128 colours; returns the names in their order."""
+    """Draws the robots, smaller and in one picture of 256 colours; returns the names in their order."""
     from PIL import Image
 
     names = []
@@ -139,7 +139,7 @@ def sheet(robots):
         whole.paste(picture, (len(names) % COLUMNS * CELL[0], len(names) // COLUMNS * CELL[1]))
         names.append(name)
     rows = -(-len(names) // COLUMNS)
-    whole.crop((0, 0, CELL[0] * COLUMNS, CELL[1] * rows)).quantize(128).save(SHEET, optimize=True)
+    whole.crop((0, 0, CELL[0] * COLUMNS, CELL[1] * rows)).quantize(256).save(SHEET, optimize=True)
     return names
 
 
@@ -187,6 +187,10 @@ def page(measured):
     PAGE.write_text(before + "<!-- measured -->\n\n" + "\n".join([head, *picture, "", *lines, *reasons]) + "\n\n<!-- end -->\n" + after)
 
 
+def store(measured):
+    MEASURED.write_text(json.dumps(measured, indent=1, sort_keys=True) + "\n")
+
+
 def main():
     arguments = sys.argv[1:]
     option = lambda name, default: arguments.pop(arguments.index(name) + 1) if name in arguments else default
@@ -215,7 +219,8 @@ def main():
                 if result := measure(file, steps, rates):
                     results[name] = result
                     print(name, result, flush=True)
-        MEASURED.write_text(json.dumps(measured, indent=1, sort_keys=True) + "\n")
+                store(measured)
+        store(measured)
     page(measured)
 
 

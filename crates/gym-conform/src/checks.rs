@@ -4,7 +4,7 @@ use crate::finding::Severity;
 use crate::subject::Subject;
 use crate::verdict::{Verdict, broken, skipped};
 use crate::{
-    actions, allocations, arguments, clock, close, copies, drawing, episodes, info, looking,
+    actions, allocations, arguments, clock, close, copies, drawing, episodes, goals, info, looking,
     observations, options, panics, pictures, registered, seeding, shown, spaces, threads, vectors,
 };
 
@@ -174,6 +174,13 @@ pub const CHECKS: &[Check] = &[
         &EPISODES,
         "one NaN ruins a training run",
         "give a finite number as reward",
+    ),
+    error(
+        "goals-agree",
+        goals::agree,
+        &EPISODES,
+        "hindsight learners compute the rewards of other goals, and mix them with those of steps",
+        "give a step the reward and the flags of the goals that it observes: those of `Goals`",
     ),
     error(
         "info-consistent",

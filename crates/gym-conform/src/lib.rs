@@ -68,6 +68,7 @@ mod damaged;
 mod drawing;
 mod episodes;
 mod finding;
+mod goals;
 mod info;
 mod inputs;
 mod long;

@@ -9,7 +9,9 @@ use std::time::Instant;
 
 use gym_core::canvas::Canvas;
 use gym_core::render::Metadata;
-use gym_core::{Configure, Env, Error, Generator, Outcome, Reset, Result, Snapshot, Space, Value};
+use gym_core::{
+    Configure, Env, Error, Generator, Inspect, Outcome, Reset, Result, Snapshot, Space, Value,
+};
 use serde_json::Value as Json;
 
 use crate::{Config, Fault, Walk};
@@ -123,6 +125,11 @@ pub(crate) trait Twist: Sized + 'static {
     /// Like [`Env::generator`].
     fn generator(env: &mut Twisted<Self>) -> Option<&mut Generator> {
         env.walk.generator()
+    }
+
+    /// Like [`Env::inspect`].
+    fn inspect(_: &Twisted<Self>) -> Option<&dyn Inspect> {
+        None
     }
 
     /// Like [`Env::close`].
@@ -294,6 +301,10 @@ impl<T: Twist> Env for Twisted<T> {
 
     fn generator(&mut self) -> Option<&mut Generator> {
         T::generator(self)
+    }
+
+    fn inspect(&self) -> Option<&dyn Inspect> {
+        T::inspect(self)
     }
 
     fn close(&mut self) {

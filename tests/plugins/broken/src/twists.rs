@@ -6,6 +6,7 @@
 
 mod drawings;
 mod episodes;
+mod goals;
 
 use std::sync::Arc;
 use std::sync::atomic::Ordering;

@@ -36,13 +36,17 @@ impl Check {
 
     /// An element of the action space from Python.
     pub(crate) fn action(self, space: &Space, action: &Bound<'_, PyAny>) -> PyResult<Value> {
+        if matches!(self, Self::Beyond)
+            && let Some(first) = beyond(space, action)
+        {
+            return Ok(first);
+        }
         action_from_python(space, None, action).or_else(|error| match self {
             Self::Equal => equal(space, action).ok_or_else(|| refused(space, action, &error)),
-            Self::Beyond => beyond(space, action).ok_or_else(|| refused(space, action, &error)),
             Self::Shape => {
                 Err(mismatch(space, action).unwrap_or_else(|| refused(space, action, &error)))
             }
-            Self::Element => Err(refused(space, action, &error)),
+            Self::Beyond | Self::Element => Err(refused(space, action, &error)),
         })
     }
 }

@@ -8,8 +8,8 @@ use gym::registry::find;
 use gym::render::{RenderMode, Rendered};
 use gym::sim::SimEnv;
 use gym::{
-    BoxEnv, Env as _, EnvExt as _, EnvSpec, Error, Inspect, Kwargs, Outcome, Reset, Result, Seed,
-    Snapshot, Space, Value,
+    BoxEnv, Env as _, EnvExt as _, EnvSpec, Error, Generator, Inspect, Kwargs, Outcome, Reset,
+    Result, Snapshot, Space, Value,
 };
 use numpy::{PyArray1, PyArrayMethods};
 use pyo3::prelude::*;
@@ -19,9 +19,11 @@ use serde::de::DeserializeOwned;
 use serde_json::{Value as Json, json};
 
 use crate::action::Check;
-use crate::convert::{rendered, to_python};
+use crate::convert::rendered;
 use crate::error::{OrRaise, guard};
 use crate::fork::Origin;
+use crate::history::{History, Source};
+use crate::json::{from_json, reset_of};
 use crate::numbers::Numbers;
 use crate::{goals, mujoco, peek, registry};
 
@@ -54,12 +56,16 @@ struct Core {
     frame: Rendered,
     /// Whether an episode has begun, and no call has panicked since.
     is_running: bool,
+    /// The episode's calls; `None` if other calls have changed its state.
+    history: Option<History>,
 }
 
 impl Core {
     fn reset(&mut self, reset: &Reset) -> PyResult<()> {
         self.is_running = false;
+        let (last, source) = (self.history.take(), Source::of(&mut self.env, reset));
         guard(|| self.env.reset_into(reset, &mut self.observation).or_raise())?;
+        self.history = source.map(|source| History::new(source, &reset.options, last));
         self.is_running = true;
         Ok(())
     }
@@ -72,7 +78,12 @@ impl Core {
         // a refused action changes nothing; only after a panic the episode cannot continue
         let outcome = guard(|| Ok(self.env.step_into(action, &mut self.observation)))?;
         self.is_running = true;
-        outcome.or_raise()
+        let outcome = outcome.or_raise()?;
+        let history = self.history.as_mut();
+        if history.is_some_and(|history| !history.step(action)) {
+            self.history = None;
+        }
+        Ok(outcome)
     }
 
     /// The whole state, as JSON.
@@ -128,6 +139,7 @@ impl Env {
                 observation,
                 frame: Rendered::Shown,
                 is_running,
+                history: None,
             }),
             origin: Origin::here(),
         }
@@ -156,6 +168,7 @@ impl Env {
         f: impl FnOnce(&mut AtariEnv) -> PyResult<T>,
     ) -> PyResult<T> {
         let mut core = self.lock(py)?;
+        core.history = None;
         match core.env.layer_mut::<AtariEnv>() {
             Some(env) => guard(|| f(env)),
             None => Err(Error::custom(format!("{} is not an Atari game", self.id))).or_raise(),
@@ -167,14 +180,14 @@ impl Env {
         Ok(self.lock(py)?.env.clone())
     }
 
-    /// The info after a reset, or after a step with `action`.
+    /// The info after a reset, or after a step: its action and outcome.
     fn info<'py>(
         &self,
         py: Python<'py>,
         core: &Core,
-        action: Option<&Bound<'py, PyAny>>,
+        step: Option<(&Bound<'py, PyAny>, &Outcome)>,
     ) -> PyResult<Bound<'py, PyDict>> {
-        guard(|| self.numbers.single(py, &core.env, action))
+        guard(|| self.numbers.single(py, &core.env, step))
     }
 
     /// Waits until no other thread uses the environment.
@@ -223,7 +236,9 @@ impl Env {
             ))
             .or_raise();
         };
-        guard(|| change(inspect, value).or_raise())
+        guard(|| change(inspect, value).or_raise())?;
+        core.history = None;
+        Ok(())
     }
 }
 
@@ -248,7 +263,7 @@ impl Env {
         let mut core = self.lock(py)?;
         self.run(py, &mut core, |core| core.reset(&reset))?;
         Ok((
-            to_python(py, &core.observation)?,
+            self.numbers.observation(py, &core.observation)?,
             self.info(py, &core, None)?,
         ))
     }
@@ -263,11 +278,11 @@ impl Env {
         let mut core = self.lock(py)?;
         let outcome = self.run(py, &mut core, |core| core.step(&taken))?;
         (
-            to_python(py, &core.observation)?,
+            self.numbers.observation(py, &core.observation)?,
             self.numbers.reward(&outcome, action)?,
             outcome.terminated,
             outcome.truncated,
-            self.info(py, &core, Some(action))?,
+            self.info(py, &core, Some((action, &outcome)))?,
         )
             .into_pyobject(py)
     }
@@ -282,7 +297,7 @@ impl Env {
 
     /// The last observation.
     fn observation<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        to_python(py, &self.lock(py)?.observation)
+        self.numbers.observation(py, &self.lock(py)?.observation)
     }
 
     /// Spaces and metadata, as JSON.
@@ -305,6 +320,7 @@ impl Env {
         let mut core = self.lock(py)?;
         guard(|| core.env.restore(&snapshot).or_raise())?;
         core.is_running = is_running;
+        core.history = None;
         Ok(())
     }
 
@@ -325,7 +341,7 @@ impl Env {
 
     /// Sets the state of the generator.
     fn set_generator(&self, py: Python<'_>, state: &str) -> PyResult<()> {
-        let state = serde_json::from_str(state)
+        let state: Generator = serde_json::from_str(state)
             .map_err(|error| Error::Snapshot(error.to_string()))
             .or_raise()?;
         let mut core = self.lock(py)?;
@@ -336,8 +352,15 @@ impl Env {
             core.reset(&Reset::seed(0))?;
             core.is_running = is_running;
         }
-        match core.env.generator() {
-            Some(generator) => *generator = state,
+        let Core { env, history, .. } = &mut *core;
+        match env.generator() {
+            Some(generator) if *generator == state => {}
+            Some(generator) => {
+                if let Some(history) = history {
+                    history.replace(state.clone());
+                }
+                *generator = state;
+            }
             None => {
                 return Err(Error::custom(
                     "this environment has no random number generator",
@@ -346,6 +369,14 @@ impl Env {
             }
         }
         Ok(())
+    }
+
+    /// The episode's reset and actions as JSON, from which another program can repeat it; `None` if
+    /// they do not lead to the current state.
+    fn history(&self, py: Python<'_>) -> PyResult<Option<String>> {
+        let core = self.lock(py)?;
+        let history = core.history.as_ref().filter(|_| core.is_running);
+        Ok(history.and_then(|history| serde_json::to_string(history).ok()))
     }
 
     /// The state as JSON, for environments whose dynamics are pure functions of the state.
@@ -454,9 +485,11 @@ impl Env {
         let (qpos, qvel) = (qpos.readonly(), qvel.readonly());
         let mut core = self.lock(py)?;
         match core.env.layer_mut::<SimEnv>() {
-            Some(env) => guard(|| env.set_state(qpos.as_slice()?, qvel.as_slice()?).or_raise()),
-            None => Err(Error::custom("this is not a MuJoCo environment")).or_raise(),
+            Some(env) => guard(|| env.set_state(qpos.as_slice()?, qvel.as_slice()?).or_raise())?,
+            None => return Err(Error::custom("this is not a MuJoCo environment")).or_raise(),
         }
+        core.history = None;
+        Ok(())
     }
 
     /// Writes the score of CarRacing with these digits: the text of a file of `ScoreGlyphs`.
@@ -495,7 +528,7 @@ impl Env {
             ..
         } = self;
         let render_mode = render_mode.as_deref();
-        Ok(Self::holding(
+        let twin = Self::holding(
             core.env,
             id,
             kwargs,
@@ -503,7 +536,9 @@ impl Env {
             wrappers,
             core.is_running,
             core.observation,
-        ))
+        );
+        twin.lock(py)?.history = core.history;
+        Ok(twin)
     }
 
     /// An independent copy.
@@ -516,14 +551,15 @@ impl Env {
         slf: &Bound<'py, Self>,
     ) -> PyResult<(Bound<'py, PyAny>, Bound<'py, PyTuple>)> {
         let (py, env) = (slf.py(), slf.get());
-        let (snapshot, is_running, observation) = {
+        let (snapshot, is_running, observation, history) = {
             let core = env.lock(py)?;
             let space = core.env.observation_space();
             let observation = space
                 .to_json(&core.observation)
                 .map(|json| json.to_string())
                 .ok();
-            (core.snapshot()?, core.is_running, observation)
+            let history = serde_json::to_string(&core.history).ok();
+            (core.snapshot()?, core.is_running, observation, history)
         };
         let arguments = env.arguments(py)?;
         let made_of = (
@@ -534,6 +570,7 @@ impl Env {
             snapshot,
             is_running,
             observation,
+            history,
         );
         Ok((
             slf.get_type().getattr("rebuild")?,
@@ -543,7 +580,7 @@ impl Env {
 
     /// Rebuilds an environment from the parts that `__reduce__` returned.
     #[staticmethod]
-    #[pyo3(signature = (id, kwargs, render_mode, wrappers, snapshot, is_running, observation))]
+    #[pyo3(signature = (id, kwargs, render_mode, wrappers, snapshot, is_running, observation, history = None))]
     #[expect(
         clippy::too_many_arguments,
         reason = "they are what `__reduce__` gives"
@@ -557,13 +594,18 @@ impl Env {
         snapshot: &str,
         is_running: bool,
         observation: Option<&str>,
+        history: Option<&str>,
     ) -> PyResult<Self> {
         let env = Self::make(id, kwargs, render_mode, wrappers)?;
         env.restore(py, snapshot, is_running)?;
+        let mut core = env.lock(py)?;
+        core.history = history
+            .and_then(|text| serde_json::from_str(text).ok())
+            .flatten();
         if let Some(json) = observation.and_then(|text| serde_json::from_str::<Json>(text).ok()) {
-            let mut core = env.lock(py)?;
             core.observation = core.env.observation_space().from_json(&json).or_raise()?;
         }
+        drop(core);
         Ok(env)
     }
 
@@ -571,22 +613,4 @@ impl Env {
     fn __repr__(&self, py: Python<'_>) -> PyResult<String> {
         Ok(self.lock(py)?.env.describe())
     }
-}
-
-/// Reads JSON from Python about an id.
-pub(crate) fn from_json<T: DeserializeOwned>(id: &str, json: &str) -> PyResult<T> {
-    serde_json::from_str(json)
-        .map_err(|error| Error::argument(format!("`{id}`"), error.to_string()))
-        .or_raise()
-}
-
-/// A reset from its Python form.
-pub(crate) fn reset_of(seed: Option<&str>, options: Option<&str>) -> Result<Reset> {
-    let seed = seed.map(str::parse::<Seed>).transpose()?;
-    let options = match options {
-        Some(json) => serde_json::from_str(json)
-            .map_err(|error| Error::argument("options", error.to_string()))?,
-        None => Kwargs::new(),
-    };
-    Ok(Reset { seed, options })
 }

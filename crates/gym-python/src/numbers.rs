@@ -6,7 +6,9 @@ use gym::registry::find;
 use gym::{BoxEnv, Env as _, Kwargs, Outcome, Value};
 use numpy::{PyArrayDescrMethods, PyUntypedArray, PyUntypedArrayMethods, dtype};
 use pyo3::IntoPyObjectExt;
+use pyo3::intern;
 use pyo3::prelude::*;
+use pyo3::sync::PyOnceLock;
 use pyo3::types::{PyDict, PyString};
 use serde_json::Value as Json;
 
@@ -34,6 +36,8 @@ pub(crate) struct Numbers {
     /// The name of the id without namespace and version.
     task: String,
     is_mujoco: bool,
+    /// Whether the environment is a task of the Control Suite.
+    is_of_suite: bool,
     /// Whether the version is before 5.
     is_old: bool,
     reward: Number,
@@ -41,6 +45,8 @@ pub(crate) struct Numbers {
     last_reward: f64,
     /// The type of `reward_ctrl`.
     control: Number,
+    /// Whether the direction in MiniGrid's observations is drawn; `None` for other families.
+    draws_direction: Option<bool>,
     /// The keys of an environment's info after a step, in their order.
     keys: OnceLock<Vec<Key>>,
 }
@@ -87,6 +93,9 @@ impl Numbers {
                 )
             }
             ("gym-robotics", _) => (Number::Float64, 0.0),
+            ("gym-minigrid", _) => (Number::Int, 0.0),
+            ("gym-control", "fish-swim" | "hopper-stand") => (Number::Float64, 0.0),
+            ("gym-control", _) if of_numpy(task) => (Number::Float64, 0.0),
             _ => (Number::Float, 0.0),
         };
         // with contact forces, Gymnasium's old Ant reports their cost under this key
@@ -98,12 +107,41 @@ impl Numbers {
             task: task.to_owned(),
             // AntMaze has Ant's infos
             is_mujoco: package == "gym-mujoco" || task.starts_with("AntMaze"),
+            is_of_suite: package == "gym-control",
             is_old,
             reward,
             last_reward,
             control,
+            draws_direction: (package == "gym-minigrid").then(|| draws_direction(id, kwargs)),
             keys: OnceLock::new(),
         }
+    }
+
+    /// Converts an observation. MiniGrid's has minigrid's order of keys, and if the direction is
+    /// drawn, numpy's integer.
+    pub(crate) fn observation<'py>(
+        &self,
+        py: Python<'py>,
+        observation: &Value,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        let (Some(is_drawn), Value::Dict(entries)) = (self.draws_direction, observation) else {
+            return to_python(py, observation);
+        };
+        let dict = PyDict::new(py);
+        let add = |wanted: bool| -> PyResult<()> {
+            for (key, value) in entries.iter().filter(|(key, _)| (key == "image") == wanted) {
+                match value {
+                    Value::Int(i) if is_drawn && key == "direction" => {
+                        dict.set_item(key, scalar(py, *i)?)?;
+                    }
+                    value => dict.set_item(key, to_python(py, value)?)?,
+                }
+            }
+            Ok(())
+        };
+        add(true)?;
+        add(false)?;
+        Ok(dict.into_any())
     }
 
     /// Whether the rewards are of the type `int`.
@@ -154,6 +192,9 @@ impl Numbers {
         action: &Bound<'py, PyAny>,
     ) -> PyResult<Bound<'py, PyAny>> {
         let (py, reward) = (action.py(), outcome.reward);
+        if self.is_of_suite && reward == 0.0 {
+            return 0.into_bound_py_any(py); // shimmy's `reward or 0`
+        }
         if self.reward == Number::Float {
             return reward.into_bound_py_any(py);
         }
@@ -164,14 +205,18 @@ impl Numbers {
         number(py, self.reward, reward, self.is_single(action))
     }
 
-    /// The info of an environment after a reset, or after a step with `action`.
+    /// The info of an environment after a reset, or after a step: its action and outcome.
     pub(crate) fn single<'py>(
         &self,
         py: Python<'py>,
         env: &BoxEnv,
-        action: Option<&Bound<'py, PyAny>>,
+        step: Option<(&Bound<'py, PyAny>, &Outcome)>,
     ) -> PyResult<Bound<'py, PyDict>> {
         let info = PyDict::new(py);
+        if self.is_of_suite {
+            return with_time_step(info, step.map(|(_, outcome)| outcome));
+        }
+        let action = step.map(|(action, _)| action);
         let is_single = action.is_some_and(|action| self.is_single(action));
         let keys = self.keys.get();
         let (mut at, mut result) = (0, Ok(()));
@@ -234,6 +279,52 @@ impl Numbers {
             _ => None,
         }
     }
+}
+
+/// Whether numpy computes the rewards of a task of the Control Suite.
+fn of_numpy(task: &str) -> bool {
+    let domain = task.split('-').next().unwrap_or(task);
+    ["cartpole", "humanoid", "lqr", "point_mass", "walker"].contains(&domain)
+}
+
+/// Adds what shimmy's info has of dm_env's time step after a step, or after a reset.
+fn with_time_step<'py>(
+    info: Bound<'py, PyDict>,
+    step: Option<&Outcome>,
+) -> PyResult<Bound<'py, PyDict>> {
+    static TYPES: PyOnceLock<[Py<PyAny>; 3]> = PyOnceLock::new();
+    let py = info.py();
+    let types = TYPES.get_or_try_init(py, || {
+        let types = py.import("rustgym._step_type")?.getattr("StepType")?;
+        let [first, mid, last] = ["FIRST", "MID", "LAST"].map(|name| types.getattr(name));
+        PyResult::Ok([first?.unbind(), mid?.unbind(), last?.unbind()])
+    })?;
+    let discount = step.map(|outcome| if outcome.terminated { 0.0 } else { 1.0 });
+    let kind = step.map_or(0, |outcome| {
+        1 + usize::from(outcome.terminated || outcome.truncated)
+    });
+    info.set_item(intern!(py, "timestep.discount"), discount)?;
+    info.set_item(intern!(py, "timestep.step_type"), &types[kind])?;
+    Ok(info)
+}
+
+/// Whether minigrid draws the agent's direction at the start, and does not set it to a number.
+fn draws_direction(id: &str, kwargs: &Kwargs) -> bool {
+    let is_of = |names: &[&str]| {
+        let name = id.strip_prefix("MiniGrid-").unwrap_or_default();
+        names.iter().any(|start| name.starts_with(start))
+    };
+    if is_of(&["Empty-", "Dynamic-Obstacles-"]) {
+        let start = kwargs.get("agent_start_pos");
+        return start.map_or(id.contains("-Random-"), Json::is_null);
+    }
+    !is_of(&[
+        "DistShift",
+        "LavaCrossing",
+        "LavaGap",
+        "Memory",
+        "SimpleCrossing",
+    ])
 }
 
 #[expect(clippy::cast_possible_truncation, reason = "the type is Gymnasium's")]

@@ -18,10 +18,11 @@ use pyo3::types::{PyDict, PyList, PyTuple};
 use serde_json::{Value as Json, json};
 
 use crate::convert::{action_from_python, new_array, refill, rendered, to_python};
-use crate::env::{Env, from_json};
+use crate::env::Env;
 use crate::error::{OrRaise, guard, gymnasium};
 use crate::fork::Origin;
 use crate::infos::{Key, info_keys, ordered};
+use crate::json::{from_json, reset_of};
 use crate::numbers::Numbers;
 
 /// A vector of environments. The vector releases the GIL during a call.
@@ -265,7 +266,7 @@ impl Vector {
         options: Option<&str>,
         mask: Option<Vec<bool>>,
     ) -> PyResult<(Bound<'py, PyAny>, Bound<'py, PyDict>)> {
-        let one = crate::env::reset_of(seed, options).or_raise()?;
+        let one = reset_of(seed, options).or_raise()?;
         let each = seeds.map(|seeds| {
             let seeds = seeds
                 .into_iter()

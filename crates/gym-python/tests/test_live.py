@@ -248,7 +248,8 @@ def test_names_that_are_unknown_are_warned_of() -> None:
         gymnasium.logger.min_level = gymnasium.logger.ERROR
 
 
-def test_constants_cannot_be_set() -> None:
+def test_constants_cannot_be_set(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(rustgym._class_env, "package_of", lambda env_id: None)  # without Box2D
     env = rustgym.make("LunarLander-v3").unwrapped
     env.helipad_x1 = 8.0
     env.reset(seed=1)
@@ -257,6 +258,8 @@ def test_constants_cannot_be_set() -> None:
         env.helipad_y = 5.0
     with pytest.raises(AttributeError, match="locs of Taxi-v4"):
         rustgym.make("Taxi-v4").unwrapped.locs = ((0, 0),) * 4
+    monkeypatch.undo()
+    both("Taxi-v4", put("locs", [(0, 1), (0, 4), (4, 0), (4, 3)]), [0, 1, 2, 3, 4])
 
 
 def test_environments_of_a_vector_are_live() -> None:

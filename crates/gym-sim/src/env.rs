@@ -203,6 +203,16 @@ impl SimEnv {
         episode.is_some_and(|episode| episode.data.has_stale_arrays())
     }
 
+    /// The `RandomState` from which the next start is drawn, for tasks that have one, after the first
+    /// reset.
+    #[must_use]
+    pub fn random_state(&self) -> Option<&RandomState> {
+        match &self.episode.as_ref()?.rng {
+            Rng::RandomState(both) => Some(&both.0),
+            Rng::Generator(_) => None,
+        }
+    }
+
     /// Continues the episode from other positions and velocities (nq and nv numbers): Gymnasium's
     /// `MujocoEnv.set_state`.
     ///

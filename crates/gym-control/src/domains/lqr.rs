@@ -9,6 +9,9 @@
 //! | end | terminated at rest in the middle, within 1e-6 |
 //! | limit | none |
 //!
+//! Differences from Gymnasium: the last bit of some numbers is numpy's on a CPU with AVX-512,
+//! for which `OPENBLAS_CORETYPE=SkylakeX` asks; on other CPUs dm_control's own differs.
+//!
 //! Source: dm_control 1.0.45, `suite/lqr.py`.
 
 use std::borrow::Cow;

@@ -9,6 +9,9 @@
 //! | end | never |
 //! | limit | 10 s: 1000 steps of 0.01 s |
 //!
+//! Differences from Gymnasium: the last bit of some numbers is numpy's on a CPU with AVX-512,
+//! for which `OPENBLAS_CORETYPE=SkylakeX` asks; on other CPUs dm_control's own differs.
+//!
 //! Source: dm_control 1.0.45, `suite/stacker.py`.
 
 use std::borrow::Cow;

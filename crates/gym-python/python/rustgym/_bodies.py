@@ -7,6 +7,8 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
+from rustgym._pictures import ReadOnlyList
+
 if TYPE_CHECKING:
     from rustgym.envs.box2d import Box2DEnv
 
@@ -265,7 +267,7 @@ class Car:
 
     def __init__(self, env: Box2DEnv) -> None:
         hull = Body(env, lambda episode: int(episode["car"]["hull"]))
-        self.__dict__.update(hull=hull, wheels=[Wheel(env, i) for i in range(4)])
+        self.__dict__.update(hull=hull, wheels=ReadOnlyList(Wheel(env, i) for i in range(4)))
 
     @property
     def fuel_spent(self) -> float:

@@ -7,7 +7,7 @@ import gymnasium
 __all__ = ["InvalidAction", "InvalidArgument", "ResetNeeded"]
 
 
-class InvalidAction(gymnasium.error.InvalidAction, AssertionError, KeyError, IndexError, ValueError):
+class InvalidAction(gymnasium.error.InvalidAction, AssertionError, KeyError, IndexError, TypeError, ValueError):
     """An invalid action. Gymnasium's environments raise one of these classes."""
 
     __str__ = Exception.__str__

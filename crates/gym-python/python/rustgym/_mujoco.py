@@ -15,7 +15,7 @@ import numpy as np
 import numpy.typing as npt
 from numpy.lib.stride_tricks import as_strided
 
-__all__ = ["Mirror", "OwnData", "load", "model_path"]
+__all__ = ["Mirror", "OwnData", "load", "model_path", "observation_structure", "renderer"]
 
 #: The arrays of the state that the Rust engine has too: changes to them are written to it.
 KNOWN = ("qpos", "qvel", "qacc_warmstart")
@@ -49,6 +49,48 @@ def load(xml_file: str, text: str | None, width: int, height: int) -> Any:
     model.vis.global_.offwidth = max(model.vis.global_.offwidth, width)
     model.vis.global_.offheight = max(model.vis.global_.offheight, height)
     return model
+
+
+# by task: how many positions an argument can exclude from the observation
+_CAN_EXCLUDE = {"Ant": 2, "HalfCheetah": 1, "Hopper": 1, "Humanoid": 2, "HumanoidStandup": 2, "Swimmer": 2, "Walker2d": 1}
+
+
+def observation_structure(env_id: str, facts: dict[str, Any], arguments: dict[str, Any]) -> dict[str, int]:
+    """The number of elements of each array in an observation of the task ``env_id``, whose model has these ``facts``."""
+    task, _, version = env_id.partition("-v")
+    if version != "5" or task in ("InvertedDoublePendulum", "Pusher", "Reacher"):
+        raise AttributeError(f"{env_id} has no observation_structure")
+    nq, nv, bodies = len(facts["qpos0"]), facts["nv"], len(facts["bodies"]) - 1
+    structure = {}
+    excluded = 0
+    if task in _CAN_EXCLUDE:
+        excluded = _CAN_EXCLUDE[task] * arguments["exclude_current_positions_from_observation"]
+        structure["skipped_qpos"] = excluded
+    structure |= {"qpos": nq - excluded, "qvel": nv}
+    sizes = {"cinert": bodies * 10, "cvel": bodies * 6, "qfrc_actuator": nv - 6, "cfrc_ext": bodies * 6}
+    for name, size in sizes.items():
+        if (included := arguments.get(f"include_{name}_in_observation")) is not None:
+            structure[name] = size * included
+    if task.startswith("Humanoid"):
+        structure |= {"ten_length": 0, "ten_velocity": 0}
+    return structure
+
+
+def renderer(model: Any, data: Any, camera: Any, arguments: dict[str, Any]) -> Any:
+    """Gymnasium's renderer, with a task's arguments."""
+    get, options = arguments.get, arguments.get("visual_options")
+    module = import_module("gymnasium.envs.mujoco.mujoco_rendering")
+    return module.MujocoRenderer(
+        model,
+        data,
+        camera,
+        get("width") or 480,
+        get("height") or 480,
+        get("max_geom") or 1000,
+        get("camera_id"),
+        get("camera_name"),
+        options and {int(key): value for key, value in dict(options).items()},
+    )
 
 
 class Mirror:

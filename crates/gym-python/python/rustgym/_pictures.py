@@ -10,10 +10,10 @@ from rustgym._live import same
 if TYPE_CHECKING:
     from rustgym.env import Env
 
-__all__ = ["IsOpen", "OfPicture", "ReadOnlyList", "absent"]
+__all__ = ["OF_PYGAME", "IsOpen", "OfPicture", "ReadOnlyList", "absent"]
 
 # what to use instead of an object of pygame
-_HINT = "it is an object of pygame in Gymnasium, and this environment draws without pygame: render() returns the picture"
+OF_PYGAME = "it is an object of pygame in Gymnasium, and this environment draws without pygame: render() returns the picture"
 
 
 def _was_rendered(env: Env) -> bool:
@@ -56,7 +56,7 @@ class OfPicture:
         if self.name in env.__dict__:
             return env.__dict__[self.name]
         if self._is_over(env):
-            raise AttributeError(f"{env.env_id} has no {self.name}: {_HINT}")
+            raise AttributeError(f"{env.env_id} has no {self.name}: {OF_PYGAME}")
         return self._value(env) if callable(self._value) else self._value
 
     def __set__(self, env: Env, value: Any) -> None:
@@ -100,6 +100,6 @@ class ReadOnlyList(list[Any]):
         return (type(self), (list(self),))
 
 
-def absent(names: str, hint: str = _HINT) -> dict[str, str]:
+def absent(names: str, hint: str = OF_PYGAME) -> dict[str, str]:
     """What to use instead of attributes that only Gymnasium's environments have, by their names."""
     return dict.fromkeys(names.split(), hint)

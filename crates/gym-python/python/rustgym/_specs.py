@@ -6,11 +6,13 @@ import json
 import os
 import re
 from collections.abc import Mapping, Sequence
+from importlib import import_module
 from importlib.util import find_spec
 from typing import Any
 
 import numpy as np
-from gymnasium.envs.registration import load_env_creator
+from gymnasium.envs.registration import EnvSpec, load_env_creator
+from gymnasium.envs.registration import registry as gymnasium_registry
 
 from rustgym import _native as native
 from rustgym._json import to_json
@@ -51,6 +53,34 @@ def spec_of(env_id: str) -> dict[str, Any]:
     except KeyError:
         native.describe(env_id)  # raises an error that suggests similar ids
         raise
+
+
+#: The specs that this package has replaced in Gymnasium's registry.
+REPLACED: dict[str, EnvSpec] = {}
+
+
+# the packages whose import registers the ids of a crate
+_REGISTERS = {"gym-atari": "ale_py", "gym-control": "shimmy", "gym-minigrid": "minigrid"}
+
+
+def registered(env_id: str) -> EnvSpec | None:
+    """The spec of an id that another package has registered."""
+    spec = REPLACED.get(env_id) or gymnasium_registry.get(env_id)
+    return None if spec is None or str(spec.entry_point).startswith("rustgym") else spec
+
+
+def theirs(env_id: str) -> EnvSpec | None:
+    """The spec of an id as its own package registers it; ``None`` without that package."""
+    spec, module = registered(env_id), _REGISTERS.get(SPECS[env_id]["crate"])
+    if SPECS[env_id]["crate"] == "gym-robotics":
+        return None
+    if spec is not None or module is None:
+        return spec
+    try:
+        import_module(module)
+    except ImportError:
+        return None
+    return registered(env_id)
 
 
 def native_arguments(env_id: str, arguments: Mapping[str, Any]) -> str:

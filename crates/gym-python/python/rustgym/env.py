@@ -15,6 +15,9 @@ from gymnasium import logger
 from rustgym import _native as native
 from rustgym._json import to_json
 from rustgym._live import Live, same
+from rustgym._generators import generator_from, words_of
+from rustgym._opened import opened_class, order, repeater
+from rustgym._pictures import OF_PYGAME
 from rustgym._spaces import space_from
 from rustgym._specs import class_of, metadata_from, native_arguments, native_options, spec_of
 from rustgym._window import Window
@@ -26,10 +29,17 @@ __all__ = ["Env"]
 
 
 class _Kind(type):
-    """Makes ``Env("CartPole-v1")`` an instance of the id's class."""
+    """Makes ``Env("CartPole-v1")`` an instance of the id's class, and an instance of a class that overrides what this package
+    does not call an opened one."""
+
+    def mro(cls) -> list[type]:
+        base = super().mro()
+        return order(cls, base) if "_opened_package" in vars(cls) else base
 
     def __call__(cls, *args: Any, **kwargs: Any) -> Any:
         if cls is not Env or not (args or "env_id" in kwargs):
+            if "_opened_package" not in vars(cls) and cls._is_opened(kwargs):
+                return opened_class(cls)(*args, **kwargs)
             return super().__call__(*args, **kwargs)
         env_id = kwargs.pop("env_id") if "env_id" in kwargs else args[0]
         spec_of(env_id)
@@ -102,6 +112,9 @@ class Env(gymnasium.Env[Any, Any], metaclass=_Kind):
     # frames per second with the default arguments
     _fps: int | None = None
 
+    # whether a vector steps the environment
+    _is_of_vector = False
+
     # None in a user's subclass made without an id: it defines its own `reset` and `step`
     _native: native.Env = None  # type: ignore[assignment]
 
@@ -131,8 +144,8 @@ class Env(gymnasium.Env[Any, Any], metaclass=_Kind):
         description = json.loads(self._native.describe())
         if not self.metadata["render_modes"]:
             self.metadata = metadata_from(description)
-        self.observation_space = space_from(description["observation_space"])
-        self.action_space = space_from(description["action_space"])
+        self.__dict__["observation_space"] = space_from(description["observation_space"])
+        self.__dict__["action_space"] = space_from(description["action_space"])
         if description["render_fps"] != self._fps:  # arguments can change the duration of a step
             self.metadata = {**self.metadata, "render_fps": description["render_fps"]}
 
@@ -140,7 +153,7 @@ class Env(gymnasium.Env[Any, Any], metaclass=_Kind):
     def _of(inner: native.Env, env_id: str, render_mode: str | None, kwargs: dict[str, Any]) -> Env:
         """The environment around a native one, which may have wrappers of the Rust side."""
         env: Env = class_of(env_id)(render_mode=render_mode, **json.loads(inner.arguments()))
-        env._native = inner
+        env._native, env._is_of_vector = inner, True
         env._watch()
         env._take_spaces()
         env._np_random_seed = -1
@@ -185,7 +198,7 @@ class Env(gymnasium.Env[Any, Any], metaclass=_Kind):
             self._open_window(str(error))
             result = self._native.reset(*arguments)
         if seed is not None:
-            self._np_random_seed = seed
+            self.__dict__["_np_random_seed"] = seed
         if self._is_watched:
             self._follow(is_reset=True)
         return result
@@ -377,23 +390,13 @@ class Env(gymnasium.Env[Any, Any], metaclass=_Kind):
         """Copies the state of the native generator to the numpy generator, if a user has read one."""
         if self._generator is None or (state := self._native.generator()) is None:
             return
-        state_high, state, inc_high, inc, half = json.loads(state)
-        self._generator.bit_generator.state = {
-            "bit_generator": "PCG64",
-            "state": {"state": state_high << 64 | state, "inc": inc_high << 64 | inc},
-            "has_uint32": half >> 32,
-            "uinteger": half & 0xFFFF_FFFF,
-        }
+        self._generator.bit_generator.state = generator_from(json.loads(state)).bit_generator.state
 
     def _push_generator(self) -> None:
         """Copies the state of the numpy generator, if a user has read one, to the native generator."""
         if self._generator is None or self._native is None:
             return
-        state = self._generator.bit_generator.state
-        half = 1 << 32 | int(state["uinteger"]) if state["has_uint32"] else 0
-        parts = [state["state"]["state"], state["state"]["inc"]]
-        words = [word for part in parts for word in (part >> 64, part & 0xFFFF_FFFF_FFFF_FFFF)] + [half]
-        self._native.set_generator(json.dumps(words))
+        self._native.set_generator(json.dumps(words_of(self._generator)))
 
     def __repr__(self) -> str:
         if self._native is None:
@@ -451,65 +454,68 @@ class Env(gymnasium.Env[Any, Any], metaclass=_Kind):
             if hasattr(type(found), "__get__"):  # a property raised AttributeError: called again, it raises its own message
                 return found.__get__(self, type(self))
             hint = self._absent.get(name)
+            try:
+                if hint != OF_PYGAME and self._opens(name):
+                    return getattr(self, name)
+            except gymnasium.error.Error as error:
+                raise AttributeError(str(error)) from error
             raise AttributeError(f"{type(self).__name__!r} object has no attribute {name!r}" + (f": {hint}" if hint else ""))
 
     def __setattr__(self, name: str, value: Any) -> None:
-        if name in self._constants and "arguments" in self.__dict__:
+        if "arguments" not in self.__dict__:
+            object.__setattr__(self, name, value)
+        elif name in self._constants:
             current = getattr(self, name, value)
-            if not same(value, current) and not (np.ndim(value) == 0 and value == current):
-                remedy = f": make another environment with {name}={value!r}" if name in self.arguments else ""
-                raise AttributeError(f"{name} of {self.env_id} is {current!r} and cannot be set{remedy}")
-            return
-        if name in self.__dict__.get("arguments", ()):
-            logger.warn(
-                f"{name} is what this {type(self).__name__} was made with: setting it changes nothing but the attribute"
-            )
-        elif not self._knows(name):
-            logger.warn(f"{type(self).__name__} has no {name}: setting it changes nothing but the attribute")
-        super().__setattr__(name, value)
+            if same(value, current) or (np.ndim(value) == 0 and value == current):
+                return
+            if self._opens(name):
+                setattr(self, name, value)
+                return
+            remedy = f": make another environment with {name}={value!r}" if name in self.arguments else ""
+            raise AttributeError(f"{name} of {self.env_id} is {current!r} and cannot be set{remedy}")
+        elif self._is_read_elsewhere(name, value):
+            setattr(self, name, value)
+        else:
+            if name in self.arguments:
+                logger.warn(
+                    f"{name} is what this {type(self).__name__} was made with: setting it changes nothing but the attribute"
+                )
+            elif not self._knows(name):
+                logger.warn(f"{type(self).__name__} has no {name}: setting it changes nothing but the attribute")
+            object.__setattr__(self, name, value)
 
     def _knows(self, name: str) -> bool:
         """Whether an attribute can be set without a warning: users' subclasses have attributes of their own."""
-        if name in self.__dict__ or hasattr(type(self), name) or "arguments" not in self.__dict__:
-            return True
-        return type(self).__module__ != "rustgym.envs"
+        return name in self.__dict__ or hasattr(type(self), name) or type(self).__module__ != "rustgym.envs"
 
+    # -- the package's environment
 
-class ClassEnv(Env):
-    """The base of the classes of single ids."""
+    @classmethod
+    def _is_opened(cls, kwargs: dict[str, Any]) -> bool:
+        """Whether a class of a user's, made with the arguments ``kwargs``, overrides what this package does not call."""
+        return False
 
-    _id: ClassVar[str]
+    def _is_read_elsewhere(self, name: str, value: Any) -> bool:
+        """Whether only the package's environment reads the attribute ``name``. If so, opens this environment."""
+        return False
 
-    # functions that compute further attributes of Gymnasium's class, which no step reads
-    _beside: ClassVar[dict[str, Callable[[Any], Any]]] = {}
+    def _opens(self, name: str) -> bool:
+        """Whether the package's environment has the attribute ``name``. If so, opens this environment."""
+        return False
 
-    def __init__(self, render_mode: str | None = None, **kwargs: Any) -> None:
-        super().__init__(self._id, render_mode=render_mode, **kwargs)
-        self.__dict__.update((name, make(self)) for name, make in self._beside.items())
+    # attributes that an opened environment does not have
+    _own_names: ClassVar[frozenset[str]] = frozenset(
+        "_native _generator _window _handed _seen _is_watched _has_drawn _was_closed observation_space render_mode".split()
+    )
 
+    @classmethod
+    def _given_there(cls, kwargs: dict[str, Any]) -> dict[str, Any]:
+        """The arguments for the package's environment that stand for the arguments ``kwargs``."""
+        return kwargs
 
-class TunableEnv(ClassEnv):
-    """The base of the classes whose arguments are attributes that take effect when they are set, as Gymnasium's do."""
-
-    #: Functions from an argument's value to one of two names. Gymnasium treats any unknown text as the second name.
-    _names: ClassVar[dict[str, Callable[[Any], Any]]] = {}
-
-    def __init__(self, render_mode: str | None = None, **kwargs: Any) -> None:
-        defaults = spec_of(self._id)["defaults"]
-        # arguments that a user's subclass sets
-        own = {name: getattr(type(self), name, value) for name, value in defaults.items()}
-        own.update((name, defaults[name]) for name, value in own.items() if isinstance(value, Live))
-        changed = {name: value for name, value in own.items() if value != defaults[name]}
-        super().__init__(render_mode, **{**changed, **kwargs})
-        self.__dict__.update((name, self.arguments[name]) for name in defaults)
-
-    def __setattr__(self, name: str, value: Any) -> None:
-        is_tunable = name in self.__dict__.get("arguments", ()) and name not in self._constants
-        if not is_tunable or isinstance(getattr(type(self), name, None), Live):
-            super().__setattr__(name, value)
-        else:
-            self._native.set_argument(to_json({name: self._names.get(name, lambda value: value)(value)}))
-            self.__dict__[name] = self.arguments[name] = value
+    def _carrier(self, cause: str) -> Callable[[Any], None]:
+        """A function that brings the package's environment to the state of this one, which was reset."""
+        return repeater(self, cause)
 
 
 def checked_seed(seed: Any, name: str = "Seed") -> int:

@@ -12,7 +12,7 @@ from gymnasium import VectorizeMode, logger
 from gymnasium.envs.registration import EnvSpec, get_env_id
 from gymnasium.envs.registration import registry as gymnasium_registry
 
-from rustgym._specs import SPECS, entry_point, native
+from rustgym._specs import REPLACED, SPECS, entry_point, native, registered, theirs
 
 __all__ = ["ids", "make", "make_vec", "namespaced", "pprint_registry", "register", "registry", "spec"]
 
@@ -34,6 +34,18 @@ def namespaced(env_id: str) -> str:
     return NAMESPACE + env_id.replace("/", "-")
 
 
+# the arguments that ale-py's specs have, in its order
+_OF_ATARI = "game repeat_action_probability full_action_space frameskip max_num_frames_per_episode".split()
+
+
+def _kwargs(row: dict[str, Any]) -> dict[str, Any]:
+    """An id's arguments as its package registers them."""
+    given = {name: tuple(value) if isinstance(value, list) else value for name, value in row["kwargs"].items()}
+    if row["crate"] == "gym-atari":
+        given = {**{name: given.get(name, row["defaults"][name]) for name in _OF_ATARI}, **given}
+    return given
+
+
 def _spec(name: str, env_id: str, has_vector: bool) -> EnvSpec:
     row = SPECS[env_id]
     return EnvSpec(
@@ -42,7 +54,7 @@ def _spec(name: str, env_id: str, has_vector: bool) -> EnvSpec:
         reward_threshold=row["reward_threshold"],
         nondeterministic=row["nondeterministic"],
         max_episode_steps=row["max_episode_steps"],
-        kwargs=dict(row["kwargs"]),
+        kwargs=_kwargs(row),
         vector_entry_point=entry_point(env_id) + "_Vector" if has_vector else None,
     )
 
@@ -141,6 +153,8 @@ def register(id: str | None = None, *args: Any, replace: bool = False, **kwargs:
             has_vector = old is not None and old.vector_entry_point is not None
             # for a wrong version, Gymnasium suggests the ids of specs: specs of ids that only this package has keep `rustgym/`
             is_theirs = old is not None and old.id == env_id
+            if (spec := registered(env_id)) is not None:
+                REPLACED[env_id] = spec
             gymnasium_registry[env_id] = _spec(env_id if is_theirs else name, env_id, has_vector)
 
 
@@ -184,8 +198,15 @@ def make_vec(
     wrappers: Sequence[Callable[[gymnasium.Env[Any, Any]], gymnasium.Wrapper[Any, Any, Any, Any]]] | None = None,
     **kwargs: Any,
 ) -> gymnasium.vector.VectorEnv[Any, Any, Any]:
-    """Makes a vector of environments: this package's if it has the id, else Gymnasium's."""
-    return gymnasium.make_vec(_ours(id), num_envs, vectorization_mode, vector_kwargs, wrappers, **kwargs)
+    """Makes a vector of environments: this package's if it has the id, else Gymnasium's.
+
+    With ``vectorization_mode="vector_entry_point"``, a game of Atari gives ale-py's own vector, if that package is installed.
+    """
+    spec = _ours(id)
+    is_of_ale = isinstance(spec, EnvSpec) and spec.id in SPECS and spec.id.startswith("ALE/")
+    if is_of_ale and vectorization_mode in (VectorizeMode.VECTOR_ENTRY_POINT, VectorizeMode.VECTOR_ENTRY_POINT.value):
+        spec = theirs(spec.id) or spec
+    return gymnasium.make_vec(spec, num_envs, vectorization_mode, vector_kwargs, wrappers, **kwargs)
 
 
 @_like(gymnasium.spec)

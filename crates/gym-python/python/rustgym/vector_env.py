@@ -367,6 +367,15 @@ class VectorEnv(gymnasium.vector.VectorEnv[Any, Any, Any]):
             for env, objects in zip(self._look_at_envs(), lasting, strict=True):
                 env._take_lasting(objects)
 
+    def __setattr__(self, name: str, value: Any) -> None:
+        if "_seeds" in self.__dict__:  # it is made
+            is_known = name in self.__dict__ or hasattr(type(self), name) or type(self).__module__ != "rustgym.envs"
+            if name in spec_of(self.env_id)["defaults"]:
+                self.set_attr(name, [value] * self.num_envs)
+            elif not is_known:
+                gymnasium.logger.warn(f"{type(self).__name__} has no {name}: setting it changes nothing but the attribute")
+        super().__setattr__(name, value)
+
     def _let_go(self) -> None:
         """Drops the environments unless a user has read ``envs``, or holds an object of one of them."""
         if not self._keeps_envs and not any(env._is_watched for env in self._envs or ()):

@@ -15,9 +15,10 @@ from typing import Any
 import gymnasium
 
 from rustgym import _modules, _native
+from rustgym._class_env import ClassEnv
 from rustgym._errors import InvalidArgument
 from rustgym._specs import SPECS, class_name, metadata_from, task_of
-from rustgym.env import ClassEnv, Env
+from rustgym.env import Env
 from rustgym.envs.atari import AtariEnv
 from rustgym.envs.box2d import BipedalWalker, CarRacing, LunarLander
 from rustgym.envs.classic_control import (

@@ -18,9 +18,10 @@ import numpy.typing as npt
 from gymnasium.utils import seeding
 
 from rustgym import _native
+from rustgym._class_env import ClassEnv
 from rustgym._native import AleState
 from rustgym._preprocessing import preprocessed
-from rustgym.env import ClassEnv, entropy
+from rustgym.env import entropy
 
 __all__ = ["Action", "Ale", "AleState", "AtariEnv"]
 
@@ -52,6 +53,9 @@ _SETTINGS = {
     "cpu": "low",
     "system_random_seed": "4753849",
 }
+
+# the settings that ale-py takes of one type
+_TYPED = ("mode", "difficulty", "repeat_action_probability")
 
 # in bytes: twice the longest cartridge
 _LONGEST_ROM = 1 << 20
@@ -279,6 +283,10 @@ class UnknownSettingError(SettingError, RuntimeError):
     """The game does not have the mode or difficulty. ale-py raises a ``RuntimeError``."""
 
 
+class SettingTypeError(SettingError, TypeError):
+    """A setting of a game is of a wrong type, or there is no such game. ale-py raises a ``TypeError``."""
+
+
 class AtariEnv(ClassEnv):
     """A game of the Atari 2600, with the attributes of ale-py's ``AtariEnv``.
 
@@ -307,8 +315,13 @@ class AtariEnv(ClassEnv):
         try:
             super().__init__(render_mode, **kwargs)
         except ValueError as error:
-            wrong = next((name for name in ("mode", "difficulty") if f"{name} is " in str(error)), None)
-            raise (SettingError if wrong is None else UnknownSettingError)(str(error)) from None
+            text = str(error)
+            is_unknown = any(f"{name} is " in text for name in ("mode", "difficulty"))
+            is_of_type = "unknown game" in text or any(f"`{name}`: invalid type" in text for name in _TYPED)
+            kind = UnknownSettingError if is_unknown else SettingTypeError if is_of_type else SettingError
+            raise kind(text) from None
+        if render_mode not in (None, *self.metadata["render_modes"]):
+            raise SettingError(f"Render mode {render_mode} not supported ({', '.join(self.metadata['render_modes'])})")
         if preprocessing:
             self._given = {**kwargs, "preprocessing": preprocessing}
         skip = self.arguments["frameskip"]

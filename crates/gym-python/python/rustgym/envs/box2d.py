@@ -14,11 +14,12 @@ import numpy as np
 import numpy.typing as npt
 
 from rustgym._bodies import Body, Car, Joint, Leg, World
+from rustgym._class_env import TunableEnv
 from rustgym._errors import ResetNeeded
 from rustgym._live import Live, same
 from rustgym._modules import forwarder
-from rustgym._pictures import IsOpen, OfPicture, absent
-from rustgym.env import TunableEnv, entropy
+from rustgym._pictures import IsOpen, OfPicture, ReadOnlyList, absent
+from rustgym.env import entropy
 
 __all__ = ["BipedalWalker", "CarRacing", "LunarLander", "Terrain"]
 
@@ -129,12 +130,12 @@ class LunarLander(Box2DEnv):
     def legs(self) -> list[Leg]:
         """The legs."""
         self._episode()
-        return [Leg(self, i, i) for i in range(2)]
+        return ReadOnlyList(Leg(self, i, i) for i in range(2))
 
     @property
     def drawlist(self) -> list[Body | None]:
         """The bodies that a picture shows."""
-        return [self.lander, *self.legs]
+        return ReadOnlyList([self.lander, *self.legs])
 
     @property
     def sky_polys(self) -> list[list[tuple[float, float]]]:
@@ -142,7 +143,7 @@ class LunarLander(Box2DEnv):
         heights = [np.float64(y) for y in self._episode()["smooth_y"]]
         points = [(2.0 * i, y) for i, y in enumerate(heights)]
         top = 400 / 30
-        return [[a, b, (b[0], top), (a[0], top)] for a, b in pairwise(points)]
+        return ReadOnlyList([a, b, (b[0], top), (a[0], top)] for a, b in pairwise(points))
 
     def _gust(name: str, doc: str) -> property:  # type: ignore[misc]
         def get(self: LunarLander) -> np.int64:
@@ -226,13 +227,13 @@ class BipedalWalker(Box2DEnv):
         episode = self._episode()
         obstacles = [Terrain((255, 255, 255), (153, 153, 153))] * len(episode["obstacles"])
         greens = [(76, 255 if i % 2 == 0 else 204, 76) for i in range(len(episode["terrain_y"]) - 1)]
-        return [*(Terrain(green, green) for green in reversed(greens)), *obstacles]
+        return ReadOnlyList([*(Terrain(green, green) for green in reversed(greens)), *obstacles])
 
     @property
     def terrain_poly(self) -> list[tuple[list[tuple[float, float]], tuple[int, int, int]]]:
         """The polygons of the ground, and their colour."""
         edges = pairwise(zip(self.terrain_x, self.terrain_y, strict=True))
-        return [([a, b, (b[0], 0), (a[0], 0)], (102, 153, 76)) for a, b in edges]
+        return ReadOnlyList(([a, b, (b[0], 0), (a[0], 0)], (102, 153, 76)) for a, b in edges)
 
     @property
     def hull(self) -> Body | None:
@@ -247,23 +248,23 @@ class BipedalWalker(Box2DEnv):
         def upper(i: int) -> Body:
             return Body(self, lambda episode: int(episode["legs"][i]))
 
-        return [upper(0), Leg(self, 1, 0), upper(2), Leg(self, 3, 1)]
+        return ReadOnlyList([upper(0), Leg(self, 1, 0), upper(2), Leg(self, 3, 1)])
 
     @property
     def drawlist(self) -> list[Any]:
         """What a picture shows: the ground and the bodies."""
-        return [*self.terrain, *self.legs, self.hull]
+        return ReadOnlyList([*self.terrain, *self.legs, self.hull])
 
     @property
     def joints(self) -> list[Joint]:
         """The hip and the knee of each leg."""
         self._episode()
-        return [Joint(self, lambda episode, i=i: int(episode["joints"][i])) for i in range(4)]  # type: ignore[misc]
+        return ReadOnlyList(Joint(self, lambda episode, i=i: int(episode["joints"][i])) for i in range(4))  # type: ignore[misc]
 
     @property
     def lidar(self) -> list[Ray]:
         """The rays of the last observation."""
-        return [Ray(fraction) for fraction in self._episode()["lidar"]]
+        return ReadOnlyList(Ray(fraction) for fraction in self._episode()["lidar"])
 
     @property
     def lidar_render(self) -> int:
@@ -273,12 +274,12 @@ class BipedalWalker(Box2DEnv):
     @property
     def terrain_x(self) -> list[float]:
         """The points of the ground, in m."""
-        return [i * (14 / 30) for i in range(len(self._episode()["terrain_y"]))]
+        return ReadOnlyList(i * (14 / 30) for i in range(len(self._episode()["terrain_y"])))
 
     @property
     def terrain_y(self) -> list[float]:
         """The heights of the points of the ground, in m."""
-        return [np.float64(y) for y in self._episode()["terrain_y"]]
+        return ReadOnlyList(np.float64(y) for y in self._episode()["terrain_y"])
 
     @property
     def scroll(self) -> float:
@@ -336,6 +337,12 @@ class CarRacing(Box2DEnv):
         self._glyphs = _score_glyphs() if score_font else None
         super().__init__(render_mode, **kwargs)
         self._write_score()
+
+    @classmethod
+    def _given_there(cls, kwargs: dict[str, Any]) -> dict[str, Any]:
+        given = super()._given_there(kwargs)
+        given.pop("score_font", None)  # pygame's is the only font there
+        return given
 
     def _write_score(self) -> None:
         if self._glyphs is not None:
@@ -432,4 +439,4 @@ class CarRacing(Box2DEnv):
     @property
     def track(self) -> list[tuple[float, float, float, float]]:
         """The points of the track: angle around the centre, direction, x, y."""
-        return [tuple(point.values() if isinstance(point, dict) else point) for point in self._episode()["track"]]
+        return ReadOnlyList(tuple(point.values() if isinstance(point, dict) else point) for point in self._episode()["track"])

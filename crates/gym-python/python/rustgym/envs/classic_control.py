@@ -12,12 +12,14 @@ import gymnasium
 import numpy as np
 import numpy.typing as npt
 
+from rustgym._class_env import TunableEnv
 from rustgym._json import to_json
+from rustgym._generators import generator_from
 from rustgym._live import Live
 from rustgym._modules import forwarder
 from rustgym._pictures import IsOpen, OfPicture, absent
 from rustgym._specs import spec_of
-from rustgym.env import TunableEnv, entropy
+from rustgym.env import entropy
 
 __all__ = ["AcrobotEnv", "CartPoleEnv", "Continuous_MountainCarEnv", "MountainCarEnv", "PendulumEnv"]
 
@@ -82,6 +84,12 @@ class ClassicControlEnv(TunableEnv):
         self._native.set_state(json.dumps({**json.loads(state), **fields}))
 
     state = Live(_read_state, _write_state)
+
+    def _carrier(self, cause: str) -> Callable[[Any], None]:
+        names = (*self.arguments, "state", "steps_beyond_terminated", "last_u")
+        values = {name: getattr(self, name) for name in names if hasattr(self, name)}
+        values["_np_random"] = generator_from(json.loads(self._native.generator() or "[]"))
+        return lambda inner: inner.__dict__.update(values)
 
     # Gymnasium's class, for tasks whose step it computes in `float32` after a user sets a `float32` state
     _theirs: ClassVar[str | None] = None

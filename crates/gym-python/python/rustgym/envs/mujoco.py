@@ -14,6 +14,7 @@ from functools import cache, cached_property
 from importlib import import_module
 from importlib.metadata import PackageNotFoundError, version
 from importlib.util import find_spec
+from types import FunctionType
 from typing import Any
 
 import gymnasium
@@ -22,11 +23,13 @@ import numpy.typing as npt
 from gymnasium import logger
 
 from rustgym._borrowed import Borrowed
+from rustgym._class_env import ClassEnv
 from rustgym._live import Live, same
 from rustgym._modules import forwarder
-from rustgym._mujoco import Mirror, OwnData, load, model_path
+from rustgym._mujoco import Mirror, OwnData, load, model_path, observation_structure, renderer
+from rustgym._opened import package_of
 from rustgym._specs import task_of
-from rustgym.env import ClassEnv, Env, entropy
+from rustgym.env import Env, entropy
 
 __all__ = ["MujocoEnv"]
 
@@ -48,9 +51,6 @@ MODULES = {
     "Swimmer": "swimmer",
     "Walker2d": "walker2d",
 }
-
-# by task: how many positions an argument can exclude from the observation
-_CAN_EXCLUDE = {"Ant": 2, "HalfCheetah": 1, "Hopper": 1, "Humanoid": 2, "HumanoidStandup": 2, "Swimmer": 2, "Walker2d": 1}
 
 # by task: attributes that Gymnasium's reset sets, computed from the positions
 _OF_START: dict[str, dict[str, Callable[[npt.NDArray[np.float64]], npt.NDArray[Any]]]] = {
@@ -127,7 +127,7 @@ class MujocoEnv(ClassEnv):
         super().__init__(*args, **kwargs)
         self.metadata = dict(self.metadata)
         own = {name for cls in type(self).__mro__[: type(self).__mro__.index(MujocoEnv)] for name in vars(cls)}
-        self._overrides = any(isinstance(vars(MujocoEnv).get(name), Borrowed) for name in own)
+        self._overrides = any(map(self._is_called, own))
         if (installed := _installed()) is not None and not self._is_of_version(installed):
             versions = self._made_of["versions"]
             name = next((name for name in versions if _is_of(installed, versions[name])), None)
@@ -138,6 +138,35 @@ class MujocoEnv(ClassEnv):
                 _tell_other(self._made_of["mujoco"], installed, name)
         if self._overrides:
             self._hand_over("a method that Gymnasium's task calls", warn=False)
+
+    # these tasks are handed over to MuJoCo's package; opened are only classes that make the model or the action space
+
+    @classmethod
+    def _is_opened(cls, kwargs: dict[str, Any]) -> bool:
+        made = ("_initialize_simulation", "_set_action_space")
+        return hasattr(cls, "_id") and any(not isinstance(getattr(cls, name), Borrowed) for name in made) and super()._is_opened(kwargs)
+
+    @classmethod
+    def _given_there(cls, kwargs: dict[str, Any]) -> dict[str, Any]:
+        given = super()._given_there(kwargs)
+        version, installed = given.pop("mujoco", None), str(_installed())
+        if version is not None and not _is_of(installed, [str(version)]):
+            raise gymnasium.error.Error(f"this needs the package mujoco {version}, and {installed} is installed")
+        return given
+
+    def _is_read_elsewhere(self, name: str, value: Any) -> bool:
+        return False
+
+    def _opens(self, name: str) -> bool:
+        return False
+
+    @classmethod
+    def _is_called(cls, name: str) -> bool:
+        """Whether Gymnasium's task calls the method or property ``name``."""
+        if isinstance(vars(MujocoEnv).get(name), Borrowed):
+            return True
+        is_free = name.startswith("__") or name in ("step", "reset", "render", "close", "metadata")
+        return not is_free and _has_package() and hasattr(cls, "_id") and hasattr(getattr(package_of(cls._id), "made", None), name)
 
     def _is_of_version(self, installed: str) -> bool:
         """Whether version ``installed`` of the package ``mujoco`` computes the same numbers as this environment."""
@@ -407,23 +436,10 @@ class MujocoEnv(ClassEnv):
     @cached_property
     def mujoco_renderer(self) -> Any:
         """Gymnasium's renderer of ``model`` and ``data``, which needs MuJoCo's package."""
-        get = self.arguments.get
-        module = import_module("gymnasium.envs.mujoco.mujoco_rendering")
-        options = get("visual_options")
         camera = self._given.get("default_camera_config")
         if camera is None:
             camera = getattr(import_module(self._theirs().__module__), "DEFAULT_CAMERA_CONFIG", {})
-        return module.MujocoRenderer(
-            self.model,
-            self.data,
-            camera,
-            get("width") or 480,
-            get("height") or 480,
-            get("max_geom") or 1000,
-            get("camera_id"),
-            get("camera_name"),
-            options and {int(key): value for key, value in dict(options).items()},
-        )
+        return renderer(self.model, self.data, camera, self.arguments)
 
     def _arrays(self) -> dict[str, Any]:
         arrays = self._native.mujoco_data()
@@ -461,6 +477,9 @@ class MujocoEnv(ClassEnv):
             object.__setattr__(self, name, value)
         elif isinstance(borrowed := vars(MujocoEnv).get(name), Borrowed) and self._native is not None:
             borrowed.replace(self, value)
+        elif self._native is not None and isinstance(getattr(type(self), name, None), FunctionType) and self._is_called(name):
+            self._hand_over(name)
+            object.__setattr__(self, name, value)
         elif name in ("mujoco_renderer", "frame_skip"):
             object.__setattr__(self, name, value)
         else:
@@ -538,23 +557,7 @@ class MujocoEnv(ClassEnv):
         Raises:
             AttributeError: for versions before 5 and tasks whose observation is made in another way, as in Gymnasium.
         """
-        task, _, version = self.env_id.partition("-v")
-        if version != "5" or task in ("InvertedDoublePendulum", "Pusher", "Reacher"):
-            raise AttributeError(f"{self.env_id} has no observation_structure")
-        nq, nv, bodies = len(self._made_of["qpos0"]), self._made_of["nv"], len(self._made_of["bodies"]) - 1
-        structure = {}
-        excluded = 0
-        if task in _CAN_EXCLUDE:
-            excluded = _CAN_EXCLUDE[task] * self.arguments["exclude_current_positions_from_observation"]
-            structure["skipped_qpos"] = excluded
-        structure |= {"qpos": nq - excluded, "qvel": nv}
-        sizes = {"cinert": bodies * 10, "cvel": bodies * 6, "qfrc_actuator": nv - 6, "cfrc_ext": bodies * 6}
-        for name, size in sizes.items():
-            if (included := self.arguments.get(f"include_{name}_in_observation")) is not None:
-                structure[name] = size * included
-        if task.startswith("Humanoid"):
-            structure |= {"ten_length": 0, "ten_velocity": 0}
-        return structure
+        return observation_structure(self.env_id, self._made_of, self.arguments)
 
     def state_vector(self) -> npt.NDArray[np.float64]:
         """The positions, then the velocities."""

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from rustgym.env import ClassEnv
+from rustgym._class_env import ClassEnv
 from rustgym.envs.dm_control import ControlEnv
 
 __all__ = ["CLASSES", "AdroitEnv", "GoalEnv"]

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import operator
+from collections.abc import Callable
 from copy import deepcopy
 from functools import cached_property
 from typing import Any, ClassVar
@@ -13,11 +14,13 @@ import numpy as np
 import numpy.typing as npt
 
 from rustgym import _native
+from rustgym._class_env import ClassEnv
 from rustgym._json import to_json
 from rustgym._live import Live, Own
+from rustgym._generators import generator_from
 from rustgym._modules import forwarder
 from rustgym._pictures import OfPicture, ReadOnlyList, absent
-from rustgym.env import ClassEnv, checked_seed, entropy
+from rustgym.env import checked_seed, entropy
 
 __all__ = ["BlackjackEnv", "CliffWalkingEnv", "FrozenLakeEnv", "TaxiEnv", "generate_random_map"]
 
@@ -65,6 +68,14 @@ class ToyTextEnv(ClassEnv):
         result: dict[str, Any] = json.loads(state)
         return result
 
+    # attributes of an episode
+    _of_episode: ClassVar[tuple[str, ...]] = ()
+
+    def _carrier(self, cause: str) -> Callable[[Any], None]:
+        values = {name: getattr(self, name) for name in (*self._of_episode, *self._settable) if hasattr(self, name)}
+        values["_np_random"] = generator_from(json.loads(self._native.generator() or "[]"))
+        return lambda inner: inner.__dict__.update(values)
+
     def _set_state(self, **fields: Any) -> None:
         """Sets these fields of the state; before the first reset, it resets first."""
         if self._native.state() is None:
@@ -86,6 +97,7 @@ class TabularEnv(ToyTextEnv):
 
     # the field of the native state that stores the number of the state
     _cell: ClassVar[str] = "cell"
+    _of_episode = ("s", "lastaction")
     _actions: ClassVar[tuple[str, ...]]
 
     # whether the states in Gymnasium's table are numpy's integers
@@ -210,6 +222,7 @@ class BlackjackEnv(ToyTextEnv):
 
     _id = "Blackjack-v1"
     _settable = frozenset({"natural", "sab"})
+    _of_episode = ("player", "dealer", "dealer_top_card_suit", "dealer_top_card_value_str")
 
     def _write_player(self, cards: Any) -> None:
         self._set_state(player=[operator.index(card) for card in cards])
@@ -338,6 +351,7 @@ class TaxiEnv(TabularEnv):
 
     _id = "Taxi-v4"
     _settable = frozenset({"fickle_passenger", "fickle_probability"})
+    _of_episode = ("s", "lastaction", "fickle_step", "taxi_orientation")
     _cell = "encoded"
     _actions = ("South", "North", "East", "West", "Pickup", "Dropoff")
 

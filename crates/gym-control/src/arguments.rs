@@ -12,8 +12,8 @@ const LARGEST_OBSERVED: u32 = 1024;
 gym_core::arguments! {
     /// The arguments that all tasks share. `time_limit` has other values in some.
     pub struct Common {
-        /// The version of MuJoCo whose numbers the episodes have, to the last bit: `"4.0"`, or
-        /// `"3.12"`, for which dm_control 1.0.45 is made.
+        /// The version of MuJoCo whose numbers the episodes have, to the last bit: `"4.0"`,
+        /// `"4.0.1"`, `"3.17"`, or `"3.12"`, for which dm_control 1.0.45 is made.
         pub mujoco: Version = Version(Revision::V4_0),
         /// Length of an episode; null for no limit.
         #[unit = "s"]

@@ -61,10 +61,7 @@ pub fn load(xml_file: &str, revision: Revision) -> Result<Arc<Model>> {
         );
         return Err(Error::argument("xml_file", reason));
     };
-    let models = Revision::ALL.iter().zip(&COMPILED[index]);
-    let Some((_, compiled)) = models.into_iter().find(|(known, _)| **known == revision) else {
-        return gym_sim::load(MODELS[index].1.trim_start(), revision);
-    };
+    let compiled = &COMPILED[index][revision as usize];
     if let Some(model) = compiled.get() {
         return Ok(Arc::clone(model));
     }

@@ -63,8 +63,8 @@ gym_core::arguments! {
     /// The arguments that all tasks share. `xml_file`, `frame_skip` and `default_camera_config`
     /// have other values in each task.
     pub struct Common {
-        /// The version of MuJoCo whose numbers the episodes have, to the last bit: `"4.0"`, or
-        /// `"3.12"`, which 3.11 and 3.13 equal.
+        /// The version of MuJoCo whose numbers the episodes have, to the last bit: `"4.0"`,
+        /// `"4.0.1"`, `"3.17"`, or `"3.12"`, which 3.11 and 3.13 equal.
         pub mujoco: Version = Version(Revision::V4_0),
         /// The model: the name of a built-in one, such as `"ant.xml"`, or a path that begins with
         /// `.`, `/` or `~`.

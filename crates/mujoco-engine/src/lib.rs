@@ -31,8 +31,8 @@
 //! Fields and functions have MuJoCo's names, so that its documentation serves: `qpos` are
 //! positions, [`forward`] is `mj_forward`, [`CompiledModel`] has the fields of `mjModel`.
 //!
-//! - **The same numbers.** The engine repeats the Linux x86-64 wheels of libmujoco 3.11 to 3.13 and
-//!   of 4.0 to the last bit, on every platform; [`Revision`] selects the release. What it does not
+//! - **The same numbers.** The engine repeats the Linux x86-64 wheels of libmujoco 3.11 to 3.13,
+//!   3.17 and 4.0 to the last bit, on every platform; [`Revision`] selects the release. What it does not
 //!   support is an error that names the place, never another result.
 //! - **A part of MJCF.** All joints, tendons, equality constraints and sensors of the list in
 //!   [`Model::from_xml`]; planes, spheres, capsules, cylinders, boxes, ellipsoids, meshes and

@@ -1,4 +1,5 @@
-//! The arc tangent of a quotient, computed with twice the precision of its result.
+//! The arc tangent of a quotient, and the arc sine and cosine, computed with twice the precision of
+//! their results.
 
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_4, PI};
 
@@ -25,10 +26,44 @@ fn sum(a: f64, b: f64) -> (f64, f64) {
 
 #[inline(always)]
 pub(super) fn atan2<F: Fma>(y: f64, x: f64) -> f64 {
-    let (ax, ay) = (x.abs(), y.abs());
     if x.is_nan() || y.is_nan() {
         return x + y;
     }
+    let (angle, rest) = angle_of::<F>(y, x);
+    (angle + rest).copysign(y)
+}
+
+#[inline(always)]
+pub(super) fn acos<F: Fma>(x: f64) -> f64 {
+    let (root, root_rest) = other_side::<F>(x);
+    let (angle, rest) = angle_of::<F>(root, x);
+    angle + (rest + x * root_rest)
+}
+
+#[inline(always)]
+pub(super) fn asin<F: Fma>(x: f64) -> f64 {
+    let (root, root_rest) = other_side::<F>(x);
+    let (angle, rest) = angle_of::<F>(x, root);
+    (angle + (rest - x.abs() * root_rest)).copysign(x)
+}
+
+/// Returns the square root of `1 - x * x` in two parts; NaN outside of ±1.
+#[inline(always)]
+fn other_side<F: Fma>(x: f64) -> (f64, f64) {
+    let (square, square_rest) = product::<F>(x, x);
+    let (difference, low) = sum(1.0, -square);
+    let (difference, low) = sum(difference, low - square_rest);
+    let root = difference.sqrt();
+    if root == 0.0 {
+        return (0.0, 0.0);
+    }
+    (root, (F::fma(-root, root, difference) + low) / (2.0 * root))
+}
+
+/// Returns the angle of the point `(x, |y|)` in two parts.
+#[inline(always)]
+fn angle_of<F: Fma>(y: f64, x: f64) -> (f64, f64) {
+    let (ax, ay) = (x.abs(), y.abs());
     let steep = ay > ax;
     let (low, high) = if steep { (ax, ay) } else { (ay, ax) };
     let (angle, rest) = if low == 0.0 {
@@ -46,12 +81,11 @@ pub(super) fn atan2<F: Fma>(y: f64, x: f64) -> f64 {
     } else {
         (angle, rest)
     };
-    let (angle, rest) = if x.is_sign_negative() {
+    if x.is_sign_negative() {
         turned(PI, PI_REST, angle, rest)
     } else {
         (angle, rest)
-    };
-    (angle + rest).copysign(y)
+    }
 }
 
 /// Returns `(from + from_rest) - (angle + rest)` as a sum of two numbers.

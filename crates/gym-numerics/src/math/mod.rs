@@ -178,6 +178,12 @@ functions! {
     /// argument in 1100.
     fn atan2(y: f64, x: f64) -> f64 = |F| arc::atan2::<F>(y, x);
 
+    /// The arc cosine, in rad; NaN outside of ±1. Computed with extra precision and rounded once.
+    fn acos(x: f64) -> f64 = |F| arc::acos::<F>(x);
+
+    /// The arc sine, in rad; NaN outside of ±1. Computed with extra precision and rounded once.
+    fn asin(x: f64) -> f64 = |F| arc::asin::<F>(x);
+
     /// e^x.
     fn exp(x: f64) -> f64 = |F| exp::exp::<F>(x);
 

@@ -372,6 +372,42 @@ fn arc_tangents_are_the_platforms_within_a_unit() {
     }
 }
 
+/// glibc's functions are not correctly rounded for 1 argument in 1000.
+#[expect(clippy::disallowed_methods, reason = "these are what is compared with")]
+#[test]
+fn arc_cosines_and_sines_are_the_platforms_within_a_unit() {
+    let mut rng = Generator::from(14);
+    let (mut others, n) = (0, count() / 5);
+    let near = |a: f64, b: f64| a == b || a.next_up() == b || a.next_down() == b;
+    for i in 0..n {
+        let part = rng.uniform(0.0, 1.0);
+        let x = match i % 3 {
+            0 => 2.0 * part - 1.0,
+            1 => 1.0 - part * part * part * 1e-2,
+            _ => -part * part * part * 1e-3,
+        };
+        for (a, b) in [(acos(x), x.acos()), (asin(x), x.asin())] {
+            assert!(near(a, b), "of {x:?}: {a:?}, {b:?}");
+            others += usize::from(a != b);
+        }
+    }
+    assert!(others * 200 < n, "{others} of {n}");
+    for x in [
+        0.0,
+        -0.0,
+        1.0,
+        -1.0,
+        0.5,
+        1.5,
+        -2.0,
+        f64::INFINITY,
+        f64::NAN,
+    ] {
+        assert!(same(acos(x), x.acos()), "acos({x:?})");
+        assert!(same(asin(x), x.asin()), "asin({x:?})");
+    }
+}
+
 /// Compares with the bits of glibc 2.36's results, mostly results that are not correctly rounded.
 #[test]
 fn hard_cases_are_glibcs() {

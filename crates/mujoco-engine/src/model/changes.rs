@@ -27,25 +27,25 @@ changes! {
     /// left. (3.14)
     turns_by_half_tangent since V3_17;
     /// An actuator takes parameters only from classes of its own or a fitting kind.
-    classes_by_kind since V4_0;
+    classes_by_kind since V3_17;
     /// The relative pose of a weld constraint is normalised when it is read.
-    normalizes_weld_poses since V4_0;
+    normalizes_weld_poses since V3_17;
     /// The parts of fused bodies move to their parents before masses are computed, and cameras and
     /// lights move with them.
     fuses_first since V3_17;
     /// Contacts make no constraints where no degree of freedom moves one body relative to the
     /// other.
-    drops_rigid_pairs since V4_0;
+    drops_rigid_pairs since V3_17;
 }
 
 // Meshes
 changes! {
     /// A quadrilateral is cut along its shorter diagonal.
-    cuts_quadrilaterals since V4_0;
+    cuts_quadrilaterals since V3_17;
     /// The texture and the normal of a corner in an OBJ file may be 0.
-    takes_corner_zero since V4_0;
+    takes_corner_zero since V3_17;
     /// The hull of a mirrored mesh is turned right side out.
-    turns_mirrored_hulls since V4_0;
+    turns_mirrored_hulls since V3_17;
     /// The hashes of the two angles of a polygon's normal are mixed as in Boost's `hash_combine`.
     mixes_hashes since V4_0;
     /// A polygon of one triangle passes through the same steps as others.
@@ -53,7 +53,7 @@ changes! {
     /// A shape that was fitted to a mesh does not keep it as `geom_dataid`.
     forgets_fitted_meshes since V3_17;
     /// The normal of a polygon takes all corners into account, by Newell's method.
-    newell_normals since V4_0;
+    newell_normals since V3_17;
 }
 
 // Contacts
@@ -74,6 +74,14 @@ changes! {
     /// The nearest point of a simplex is the projection of the origin on it, and the polytope
     /// expands until the last bound is reached.
     projects_origin since V4_0;
+    /// A side cuts an edge where the heights of its ends above the side tell, instead of the distances
+    /// from the origin.
+    cuts_by_heights since V4_0;
+    /// Where the edges of one shape do not lie on a face of the other, those of the other are tried.
+    tries_both_edges since V4_0;
+    /// The edge of a cylinder on a face is the line of the curved surface that touches the face,
+    /// instead of the line through the first point of the search that found the contact.
+    lays_cylinders_on_faces since V4_0_1;
 }
 
 // Forces and the solvers
@@ -83,12 +91,15 @@ changes! {
     /// Elliptic cones have their slopes from the unit vector of the sliding direction.
     slopes_by_direction since V4_0;
     /// The area of an ellipsoid in a medium is computed for a longest semiaxis of 1.
-    scales_ellipsoids since V4_0;
+    scales_ellipsoids since V3_17;
+    /// The angles of a tendon's path around a geom come from arc tangents, and Newton's method solves
+    /// for the angle of the point that a tendon inside a geom touches.
+    turns_by_arc_tangents since V3_17;
     /// The side of a tendon's path around a geom is that on which the path through the side site
     /// winds.
     winds_past_side since V4_0;
     /// The orientation of a site relative to `refsite` is that of the world.
-    refers_to_world since V4_0;
+    refers_to_world since V3_17;
     /// The Cholesky solver substitutes back by columns.
     substitutes_by_columns since V4_0;
 }
@@ -103,13 +114,13 @@ changes! {
     /// `implicitfast` derives the forces at the clamped controls.
     derives_clamped_controls since V4_0;
     /// The inertia of a free body in implicit integration is that about the centre of mass.
-    takes_inertia_of_com since V4_0;
+    takes_inertia_of_com since V3_17;
     /// Sensors of acceleration include gravity on bodies that cannot move.
     accelerates_fixed_bodies since V4_0;
     /// `cfrc_ext` has the forces of tendons through sites.
-    shows_tendon_forces since V4_0;
+    shows_tendon_forces since V3_17;
     /// The torque of a weld constraint in `cfrc_ext` is that in the world.
-    turns_weld_torques since V4_0;
+    turns_weld_torques since V3_17;
     /// A sensor of the sum of contacts has a normal and a tangent only if there is a contact.
-    sums_no_contacts_to_zero since V4_0;
+    sums_no_contacts_to_zero since V3_17;
 }

@@ -19,7 +19,7 @@ pub enum Revision {
     V3_12,
     /// 3.17.
     V3_17,
-    /// 4.0.
+    /// 4.0.0.
     #[default]
     V4_0,
     /// 4.0.1.
@@ -27,8 +27,8 @@ pub enum Revision {
 }
 
 impl Revision {
-    /// The revisions that the engine repeats, the oldest first.
-    pub const ALL: [Self; 2] = [Self::V3_12, Self::V4_0];
+    /// All revisions, the oldest first.
+    pub const ALL: [Self; 4] = [Self::V3_12, Self::V3_17, Self::V4_0, Self::V4_0_1];
 
     /// The name, such as `4.0`.
     #[must_use]
@@ -42,7 +42,7 @@ impl Revision {
         match self {
             Self::V3_12 => &["3.12", "3.11", "3.13", "3.11.0", "3.12.0", "3.13.0"],
             Self::V3_17 => &["3.17", "3.17.0"],
-            Self::V4_0 => &["4.0", "4.0.0", "4.0.1"],
+            Self::V4_0 => &["4.0", "4.0.0"],
             Self::V4_0_1 => &["4.0.1"],
         }
     }
@@ -62,15 +62,15 @@ impl FromStr for Revision {
             .into_iter()
             .find(|revision| revision.versions().contains(&version))
             .ok_or_else(|| {
-                let known = Self::ALL.map(|revision| {
-                    let [own, others @ ..] = revision.versions() else {
-                        return String::new();
-                    };
-                    format!("\"{own}\" (also {})", others.join(", "))
+                let known = Self::ALL.map(|revision| match revision.versions() {
+                    [own, others @ ..] if !others.is_empty() => {
+                        format!("\"{own}\" (also {})", others.join(", "))
+                    }
+                    _ => format!("\"{revision}\""),
                 });
                 format!(
                     "there is no MuJoCo version {version:?}: the versions are {}",
-                    known.join(" and ")
+                    known.join(", ")
                 )
             })
     }
@@ -108,6 +108,9 @@ mod tests {
         assert!(
             error.starts_with("there is no MuJoCo version \"3.14\": the versions are \"3.12\"")
         );
-        assert!(error.contains("\"4.0\" (also 4.0.0, 4.0.1)"), "{error}");
+        assert!(
+            error.ends_with("\"4.0\" (also 4.0.0), \"4.0.1\""),
+            "{error}"
+        );
     }
 }

@@ -46,9 +46,9 @@ pub(super) fn wrap(
         _ => {
             let side = side.map(|side| unit(flat(side)).map(|x| x * geom.radius));
             if revision.winds_past_side() {
-                circle_4_0(ends, side, geom.radius)?
+                circle_by_winding(ends, side, geom.radius)?
             } else {
-                circle(ends, side, geom.radius)?
+                circle(ends, side, geom.radius, revision)?
             }
         }
     };
@@ -131,7 +131,12 @@ fn nearest_to_center([e0, e1]: [Vec2; 2], radius: f64) -> Option<Vec2> {
 }
 
 /// The arc around the outside of a circle.
-fn circle(ends: [Vec2; 2], side: Option<Vec2>, radius: f64) -> Option<(f64, [Vec2; 2])> {
+fn circle(
+    ends: [Vec2; 2],
+    side: Option<Vec2>,
+    radius: f64,
+    revision: Revision,
+) -> Option<(f64, [Vec2; 2])> {
     let [e0, e1] = ends;
     let nearest = nearest_to_center(ends, radius)?;
     if dot2(nearest, nearest) > radius * radius
@@ -157,7 +162,12 @@ fn circle(ends: [Vec2; 2], side: Option<Vec2>, radius: f64) -> Option<(f64, [Vec
     if cross_each_other(e0, points[0], e1, points[1]) {
         return None;
     }
-    Some((arc_length(points, second, radius), points))
+    let arc = if revision.turns_by_arc_tangents() {
+        radius * arc_angle(points, second)
+    } else {
+        arc_length(points, second, radius)
+    };
+    Some((arc, points))
 }
 
 /// For both sides: the points where the tangents from the two end points touch the circle.
@@ -204,7 +214,7 @@ fn segments_cross(e0: Vec2, s0: Vec2, e1: Vec2, s1: Vec2) -> bool {
 
 /// The arc around the outside of a circle, from 4.0 on. The tendon winds around the circle in the
 /// same direction as the path through `side`.
-fn circle_4_0(ends: [Vec2; 2], side: Option<Vec2>, radius: f64) -> Option<(f64, [Vec2; 2])> {
+fn circle_by_winding(ends: [Vec2; 2], side: Option<Vec2>, radius: f64) -> Option<(f64, [Vec2; 2])> {
     let [e0, e1] = ends;
     let nearest = nearest_to_center(ends, radius)?;
     let free = dot2(nearest, nearest) > radius * radius;
@@ -232,18 +242,22 @@ fn circle_4_0(ends: [Vec2; 2], side: Option<Vec2>, radius: f64) -> Option<(f64, 
     let turned = if let Some(winding) = winding {
         ((winding - angle(e0, p0)) - angle(p1, e1)).abs()
     } else {
-        const LEAST: f64 = 1e-6;
-        let turn = p0[1] * p1[0] - p0[0] * p1[1];
-        let least = libm::atan2(turn.abs(), dot2(p0, p1));
-        let first = good[0] > good[1];
-        let around = (turn < 0.0 && first) || (turn > 0.0 && !first);
-        if around && least > LEAST {
-            2.0 * PI - least
-        } else {
-            least
-        }
+        arc_angle(points, second)
     };
     Some((turned * radius, points))
+}
+
+/// The angle of an arc from `p0` to `p1`, in the direction that `second` selects, from 3.17 on.
+fn arc_angle([p0, p1]: [Vec2; 2], second: bool) -> f64 {
+    const LEAST: f64 = 1e-6;
+    let turn = p0[1] * p1[0] - p0[0] * p1[1];
+    let least = libm::atan2(turn.abs(), dot2(p0, p1));
+    let around = (turn < 0.0 && !second) || (turn > 0.0 && second);
+    if around && least > LEAST {
+        2.0 * PI - least
+    } else {
+        least
+    }
 }
 
 /// The point where a tendon that passes inside a circle touches the circle; the point of the circle
@@ -272,10 +286,10 @@ fn inside(ends: [Vec2; 2], radius: f64, revision: Revision) -> Option<(f64, [Vec
     let (a, b) = (radius / len0, radius / len1);
     let first = e0[0] * e1[1] - e0[1] * e1[0] > 0.0;
     let (from, part) = if first { (e0, a) } else { (e1, b) };
-    let turn = match revision.winds_past_side() {
+    let turn = match revision.turns_by_arc_tangents() {
         _ if cos > 1.0 - MINVAL => None,
-        false => turn_3_12([a, b], libm::acos(cos), part),
-        true => turn_4_0([a, b], libm::acos(cos), part),
+        false => turn_by_sine([a, b], libm::acos(cos), part),
+        true => turn([a, b], libm::acos(cos), part),
     };
     let point = if let Some(turn) = turn {
         let [u, v] = unit(from);
@@ -287,10 +301,10 @@ fn inside(ends: [Vec2; 2], radius: f64, revision: Revision) -> Option<(f64, [Vec
     Some((0.0, [point; 2]))
 }
 
-/// The angle from an end to the point that a tendon inside a circle touches, from 4.0 on. `a` and
+/// The angle from an end to the point that a tendon inside a circle touches, from 3.17 on. `a` and
 /// `b` are the radius divided by the ends' distances, and `part` is that of the end. Newton's method
 /// solves for the angle of the point.
-fn turn_4_0([a, b]: [f64; 2], between: f64, part: f64) -> Option<f64> {
+fn turn([a, b]: [f64; 2], between: f64, part: f64) -> Option<f64> {
     const MOST: i32 = 18;
     const TOLERANCE: f64 = 1e-6;
     let mut f = libm::asin(b) + libm::asin(a) - PI + between;
@@ -327,9 +341,9 @@ fn arc_length([p0, p1]: [Vec2; 2], second: bool, radius: f64) -> f64 {
     radius * angle
 }
 
-/// The angle from an end to the point that a tendon inside a circle touches, as `turn_4_0`. Newton's
-/// method solves for the sine of the point's angle.
-fn turn_3_12([a, b]: [f64; 2], between: f64, part: f64) -> Option<f64> {
+/// The angle from an end to the point that a tendon inside a circle touches, as `turn`, before 3.17.
+/// Newton's method solves for the sine of the point's angle.
+fn turn_by_sine([a, b]: [f64; 2], between: f64, part: f64) -> Option<f64> {
     const MOST: usize = 20;
     const START: f64 = 1.0 - 1e-7;
     const TOLERANCE: f64 = 1e-6;

@@ -116,7 +116,8 @@ fn contacts_are_libmujocos() {
         std::env::var_os("GYM_MUJOCO_CONTACTS").map(|path| std::fs::read_to_string(path).unwrap());
     let text = concat!(
         include_str!("../recorded/contacts/3.12.txt"),
-        include_str!("../recorded/contacts/4.0.txt")
+        include_str!("../recorded/contacts/4.0.txt"),
+        include_str!("../recorded/contacts/3.17.txt")
     );
     let mut models = BTreeMap::new();
     let (mut compared, mut unlike) = (0, Vec::new());

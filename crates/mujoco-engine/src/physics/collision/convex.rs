@@ -233,6 +233,7 @@ pub(super) fn within(
                 dist,
                 points: [moved(w1, reaches[0]), moved(w2, -reaches[1])],
                 corners: corners(&found.simplex[..found.number]),
+                first: [found.simplex[0].w1, found.simplex[0].w2],
             });
         }
     }
@@ -252,6 +253,7 @@ pub(super) fn within(
             dist: found.distance,
             points: found.nearest,
             corners: corners(&found.simplex[..found.number]),
+            first: [found.simplex[0].w1, found.simplex[0].w2],
         });
     }
     let overlap = polytope.overlap(&found, rules, &whole)?;
@@ -259,6 +261,7 @@ pub(super) fn within(
         dist: -overlap.depth,
         points: overlap.nearest,
         corners: corners(&overlap.corners),
+        first: [overlap.corners[0].w1, overlap.corners[0].w2],
     })
 }
 
@@ -277,6 +280,8 @@ pub(super) struct Touch {
     pub(super) points: [Vec3; 2],
     /// For each shape, the corners at the contact.
     pub(super) corners: [[u32; 3]; 2],
+    /// For each shape, the point at the first corner, perhaps with the margin.
+    pub(super) first: [Vec3; 2],
 }
 
 impl Touch {

@@ -71,19 +71,20 @@ pub(super) struct Face {
     pub(super) normal: Vec3,
 }
 
-/// An edge of a box or mesh, or the axis of a cylinder.
+/// An edge of a box or mesh, the axis of a capsule, or a line along the curved surface of a cylinder.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Edge {
     pub(super) direction: Vec3,
-    ends: [Vec3; 2],
+    /// `None` for a line of a cylinder that depends on the face.
+    ends: Option<[Vec3; 2]>,
 }
 
 impl Edge {
-    /// Returns the ends of the edge. For a cylinder, the edge is the line on its curved surface
-    /// that touches a face with the normal `normal`; `None` if `normal` is parallel to the axis.
+    /// Returns the ends of the edge on a face with the normal `normal`. `None` for a cylinder whose
+    /// axis is parallel to `normal`.
     pub(super) fn ends(&self, solid: Solid<'_>, normal: Vec3) -> Option<[Vec3; 2]> {
-        if solid.kind != GeomType::Cylinder {
-            return Some(self.ends);
+        if self.ends.is_some() {
+            return self.ends;
         }
         let (axis, &[radius, half, _]) = (solid.shape.axis(), solid.shape.size);
         let across = add_scaled(normal, axis, -dot(axis, normal));
@@ -201,8 +202,15 @@ fn box_faces(
     list.extend((0..6).find(looks).map(face));
 }
 
-/// Lists the edges at the corners of a shape. `deepest` is the shape's deepest point in the other.
-pub(super) fn edges(solid: Solid<'_>, span: &Dimension, deepest: Vec3, list: &mut Vec<Edge>) {
+/// Lists the edges at the corners of a shape. `deepest` is the shape's deepest point in the other, and
+/// `at_first` the point at the first corner, `grown` outside of the shape.
+pub(super) fn edges(
+    solid: Solid<'_>,
+    span: &Dimension,
+    (deepest, at_first): (Vec3, Vec3),
+    (grown, revision): (f64, Revision),
+    list: &mut Vec<Edge>,
+) {
     list.clear();
     let shape = solid.shape;
     let [first, second, _] = span.corners;
@@ -214,7 +222,7 @@ pub(super) fn edges(solid: Solid<'_>, span: &Dimension, deepest: Vec3, list: &mu
         let ends = [first, to].map(corner);
         Edge {
             direction: normalize(sub(ends[1], ends[0])).0,
-            ends,
+            ends: Some(ends),
         }
     };
     match (solid.kind, solid.mesh) {
@@ -223,13 +231,27 @@ pub(super) fn edges(solid: Solid<'_>, span: &Dimension, deepest: Vec3, list: &mu
             let place = dot(sub(deepest, shape.pos), axis);
             list.push(Edge {
                 direction: axis,
-                ends: [-place - half, half - place].map(|along| add_scaled(deepest, axis, along)),
+                ends: Some(
+                    [-place - half, half - place].map(|along| add_scaled(deepest, axis, along)),
+                ),
             });
         }
-        (GeomType::Cylinder, _) => list.push(Edge {
-            direction: shape.axis(),
-            ends: [[0.0; 3]; 2],
-        }),
+        (GeomType::Cylinder, _) => {
+            let (axis, &[radius, half, _]) = (shape.axis(), shape.size);
+            let end = if first == 0 { half } else { -half };
+            let start = if grown > 0.0 {
+                let [x, y, _] = rotate_back(shape.mat, sub(at_first, shape.pos));
+                let shrink = radius / (x * x + y * y).sqrt();
+                add(rotate(shape.mat, [x * shrink, y * shrink, end]), shape.pos)
+            } else {
+                at_first
+            };
+            let ends = [start, add_scaled(start, axis, -2.0 * end)];
+            list.push(Edge {
+                direction: axis,
+                ends: (!revision.lays_cylinders_on_faces()).then_some(ends),
+            });
+        }
         (GeomType::Box | GeomType::Mesh, _) if span.number == 2 => list.push(edge(second)),
         (GeomType::Box, _) => list.extend([1, 2, 4].map(|axis| edge(first ^ axis))),
         (_, Some(mesh)) => {

@@ -1,4 +1,4 @@
-//! Contacts of two convex shapes from 4.0 on: MuJoCo's `mjc_multicontact`. If a face or an edge
+//! Contacts of two convex shapes from 3.17 on: MuJoCo's `mjc_multicontact`. If a face or an edge
 //! lies on a face of the other shape, the function clips the incident face or edge by the sides of
 //! the other face. Up to four points of the result are the contacts.
 
@@ -48,7 +48,7 @@ pub(super) fn contacts(
         return;
     };
     let features = &mut polytope.features;
-    let Some(incidence) = find_incidence([a, b], &touch, revision, features) else {
+    let Some(incidence) = find_incidence([a, b], &touch, (0.5 * margin, revision), features) else {
         push(touch.hit(margin));
         return;
     };
@@ -120,6 +120,7 @@ impl Incidence {
             dist,
             points,
             corners: [[0; 3]; 2],
+            first: [[0.0; 3]; 2],
         }
     }
 }
@@ -128,7 +129,7 @@ impl Incidence {
 fn find_incidence(
     solids: [Solid<'_>; 2],
     touch: &Touch,
-    revision: Revision,
+    (grown, revision): (f64, Revision),
     features: &mut Features,
 ) -> Option<Incidence> {
     let [w1, w2] = touch.points;
@@ -157,8 +158,9 @@ fn find_incidence(
         if spans[with_edge].number == 3 || found[with_face].is_empty() {
             continue;
         }
-        let point = touch.points[with_edge];
-        edges(solids[with_edge], &spans[with_edge], point, list);
+        let point = (touch.points[with_edge], touch.first[with_edge]);
+        let rules = (grown, revision);
+        edges(solids[with_edge], &spans[with_edge], point, rules, list);
         for face in &found[with_face] {
             if dot(face.normal, outward[with_face]) <= MINVAL {
                 continue;
@@ -173,6 +175,9 @@ fn find_incidence(
                         incident: Incident::Edge(ends),
                     });
             }
+        }
+        if !revision.tries_both_edges() {
+            return None;
         }
     }
     None
@@ -229,7 +234,7 @@ fn cut_by_side(
         let [from, to] = [p, q].map(|point| dot(sub(point, corner), normal));
         let [starts, stays] = [from, to].map(|height| height > -MINVAL);
         if starts != stays {
-            let share = if revision.clips_faces() {
+            let share = if revision.cuts_by_heights() {
                 from / (from - to)
             } else {
                 (dot(normal, corner) - dot(normal, p)) / dot(normal, sub(q, p))

@@ -63,6 +63,7 @@ pub(super) fn contacts(
             dist,
             points,
             corners: [[0; 3]; 2],
+            first: [[0.0; 3]; 2],
         };
         push(touch.hit(0.0));
     }
@@ -111,7 +112,8 @@ fn find_incidence(
     edges(
         solids[with_edge],
         &spans[with_edge],
-        touch.points[with_edge],
+        (touch.points[with_edge], touch.first[with_edge]),
+        (0.0, revision),
         list,
     );
     found[1 - with_edge].iter().find_map(|face| {

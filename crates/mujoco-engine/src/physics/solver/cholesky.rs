@@ -260,7 +260,11 @@ mod tests {
             assert_eq!(&padded.as_flattened()[..N], &x);
             x
         });
-        assert_ne!(solved[0], solved[1], "the orders differ in the last bits");
+        assert_ne!(
+            solved.first(),
+            solved.last(),
+            "the orders differ in the last bits"
+        );
     }
 
     #[test]

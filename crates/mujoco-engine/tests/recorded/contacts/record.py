@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Record the contacts of two bodies in random poses, in most of which they touch: `record.py SEEDS [POSES] > NAME.txt`.
 
-    pip install mujoco==3.12.0        repeat with 4.0.0 and 4.0.1, and write their lines to another file
+    pip install mujoco==3.12.0        repeat with 3.17.0, 4.0.0 and 4.0.1, and write their lines to other files
 
 `SEEDS` is the number of seeds, counted from 0; each seed has `POSES` poses (50 by default). A line has the name and the text of a model; or
 the name of a model, MuJoCo's version, a seed, the number of poses, and a digest of the contacts' geoms, distances, positions and frames.
@@ -27,8 +27,6 @@ SHAPES = {
     "cylinder": '<geom type="cylinder" size=".05 .2"/>',
     "box": '<geom type="box" size=".05 .1 .125"/>',
 }
-# for cylinders, the engine has the contacts of 4.0.1, which differ from those of 4.0.0
-UNLIKE = [("cylinder", "4.0.0")]
 
 
 def corners(points):
@@ -53,14 +51,11 @@ def models():
     # the box has a neighbour, so that boxes around geoms are compared
     beside = '<geom type="sphere" size=".01" pos="0 0 2"/>'
     for name, shape in SHAPES.items():
-        if (name, mujoco.__version__) in UNLIKE:
-            continue
         yield f"{name}-box", two(BOX + beside, shape)
-    if mujoco.__version__ != "4.0.0":
-        for first, second in [("cylinder", "cylinder"), ("ellipsoid", "cylinder"), ("capsule", "cylinder"), ("ellipsoid", "ellipsoid")]:
-            for margin in ("0", ".01"):
-                shapes = [SHAPES[name].replace("/>", f' margin="{margin}"/>') for name in (first, second)]
-                yield f"{first}-{second}-{margin}", two(*shapes)
+    for first, second in [("cylinder", "cylinder"), ("ellipsoid", "cylinder"), ("capsule", "cylinder"), ("ellipsoid", "ellipsoid")]:
+        for margin in ("0", ".01"):
+            shapes = [SHAPES[name].replace("/>", f' margin="{margin}"/>') for name in (first, second)]
+            yield f"{first}-{second}-{margin}", two(*shapes)
     peg = CAPSULE + '<geom type="capsule" size=".05 .07" pos="0 0 .2" quat="1 0 1 0"/>'
     slot = '<geom type="box" size=".1 .05 .2" pos=".2 0 0"/><geom type="box" size=".1 .05 .2" pos="-.2 0 0"/>'
     yield "peg-slot", two(slot, peg)
@@ -84,8 +79,7 @@ def models():
 
     for name in meshes:
         for shape in SHAPES:
-            if (shape, mujoco.__version__) not in UNLIKE:
-                yield f"{shape}-{name}", with_meshes(SHAPES[shape], mesh(name))
+            yield f"{shape}-{name}", with_meshes(SHAPES[shape], mesh(name))
         yield f"floor-{name}", with_meshes(beside, mesh(name), floor.format("30 20 10"))
         yield f"pebble-{name}", with_meshes(mesh("pebble") + beside, mesh(name))
     yield "block-prism", with_meshes(mesh("block"), mesh("prism"))

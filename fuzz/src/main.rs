@@ -80,7 +80,7 @@ fn run(target: &Target, arguments: &Arguments) -> std::io::Result<usize> {
         inputs = arguments
             .input
             .iter()
-            .map(fs::read)
+            .map(|path| gym::file::read(path, usize::MAX))
             .collect::<Result<_, _>>()?;
     }
     let (mut mutator, mut crashes) = (Mutator::new(arguments.seed), BTreeSet::new());

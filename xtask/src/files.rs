@@ -5,6 +5,10 @@ use std::io;
 use std::path::{Path, PathBuf};
 
 pub(crate) fn read(path: &Path) -> Result<Vec<u8>, String> {
+    // check first, because opening a pipe waits for a writer
+    if !fs::metadata(path).map_err(at(path))?.is_file() {
+        return Err(format!("{}: not a regular file", path.display()));
+    }
     fs::read(path).map_err(at(path))
 }
 

@@ -1,12 +1,12 @@
 //! ROMs. The user provides them; this crate contains none.
 
 use std::env;
-use std::fs::{self, File};
-use std::io::{self, Read as _};
+use std::fs;
+use std::io;
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, PoisonError};
 
-use gym_core::{Error, Result};
+use gym_core::{Error, Result, file};
 
 use crate::games::{self, Game};
 
@@ -143,41 +143,19 @@ impl RomDir {
     /// MD5 than the game's ROM.
     pub fn rom(&self, game: &'static Game) -> Result<Rom> {
         let path = self.file(game);
-        let unreadable = |error: io::Error| {
-            Error::argument(
-                game.title,
-                format!(
-                    "the ROM {} cannot be read: {error}. {}",
-                    path.display(),
-                    advice()
+        let bytes = file::read(&path, MAX_LEN).map_err(|error| {
+            let fault = match error.kind() {
+                io::ErrorKind::InvalidInput => {
+                    "is not a regular file: put the ROM there, or a link to it".to_owned()
+                }
+                io::ErrorKind::FileTooLarge => format!(
+                    "is longer than {MAX_LEN} bytes, the largest cartridge: it is not a ROM of this game"
                 ),
-            )
-        };
-        // check first, because opening a pipe waits for a writer
-        if !fs::metadata(&path).map_err(unreadable)?.is_file() {
-            return Err(Error::argument(
-                game.title,
-                format!(
-                    "the ROM {} is not a regular file: put the ROM there, or a link to it. {}",
-                    path.display(),
-                    advice()
-                ),
-            ));
-        }
-        let mut bytes = Vec::new();
-        // one byte more than the largest size, to detect larger files
-        let read = File::open(&path)
-            .and_then(|file| file.take(MAX_LEN as u64 + 1).read_to_end(&mut bytes));
-        read.map_err(unreadable)?;
-        if bytes.len() > MAX_LEN {
-            return Err(Error::argument(
-                game.title,
-                format!(
-                    "the ROM {} is longer than {MAX_LEN} bytes, the largest cartridge: it is not a ROM of this game",
-                    path.display()
-                ),
-            ));
-        }
+                _ => format!("cannot be read: {error}"),
+            };
+            let reason = format!("the ROM {} {fault}. {}", path.display(), advice());
+            Error::argument(game.title, reason)
+        })?;
         let md5 = format!("{:x}", md5::compute(&bytes));
         if md5 != game.md5 {
             return Err(Error::argument(

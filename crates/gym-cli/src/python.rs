@@ -115,7 +115,7 @@ fn folder_of(metadata: &Json, name: &str) -> Option<PathBuf> {
 
 /// Copies a file, or a folder without the caches of Python's interpreter.
 fn copy(from: &Path, to: &Path) -> Result<()> {
-    if !from.is_dir() {
+    if from.is_file() {
         return fs::copy(from, to)
             .map(drop)
             .map_err(|error| Error::io(from, error));

@@ -1,8 +1,7 @@
 //! `cargo xtask replay TRACE...`
 
 use std::collections::{BTreeMap, BTreeSet};
-use std::fs::File;
-use std::io::{ErrorKind, Read};
+use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 
 use crate::families;
@@ -99,23 +98,18 @@ fn destinations(traces: &[PathBuf], out: &Path) -> Result<BTreeMap<PathBuf, Path
 
 fn read(path: &Path) -> Result<String> {
     /// The largest size of a recording, in bytes.
-    const LIMIT: u64 = 256 << 20; // bytes
-    let mut text = String::new();
-    let file = File::open(path).map_err(|error| Error::io(path, error))?;
-    let read = file.take(LIMIT + 1).read_to_string(&mut text);
-    read.map_err(|error| match error.kind() {
+    const LIMIT: usize = 256 << 20; // bytes
+    let mut text = gym::file::read_text(path, LIMIT).map_err(|error| match error.kind() {
         ErrorKind::InvalidData => Error::custom("not a recording: it is not text in UTF-8"),
+        ErrorKind::FileTooLarge => Error::custom(format!(
+            "it is larger than a recording can be, which is {} MiB",
+            LIMIT >> 20
+        )),
         _ => Error::io(path, error),
     })?;
     // some editors begin a file with a byte order mark
     if text.starts_with('\u{feff}') {
         text.remove(0);
-    }
-    if text.len() as u64 > LIMIT {
-        return Err(Error::custom(format!(
-            "it is larger than a recording can be, which is {} MiB",
-            LIMIT >> 20
-        )));
     }
     Ok(text)
 }
@@ -209,6 +203,18 @@ mod tests {
         };
         let error = replay(&arguments).unwrap_err().to_string();
         assert!(error.contains("is not a folder"), "{error}");
+        std::fs::remove_file(&path).unwrap();
+    }
+
+    /// A pipe would wait for a writer.
+    #[cfg(unix)]
+    #[test]
+    fn a_recording_is_a_regular_file() {
+        let path = std::env::temp_dir().join(format!("gym-cli-pipe-{}", std::process::id()));
+        let made = std::process::Command::new("mkfifo").arg(&path).status();
+        assert!(made.unwrap().success());
+        let error = read(&path).unwrap_err().to_string();
+        assert!(error.contains("not a regular file"), "{error}");
         std::fs::remove_file(&path).unwrap();
     }
 

@@ -37,7 +37,7 @@ pub mod prelude {
 #[doc(hidden)]
 pub use inventory;
 
-pub use gym_numerics::{Generator, RandomState, Seed, math, rng, unique};
+pub use gym_numerics::{Generator, RandomState, Seed, exact, file, math, rng, unique};
 
 pub use drawing::{canvas, pygame, render};
 pub use env::{

@@ -1,14 +1,18 @@
 //! JSON that keeps every float: the state of any type, including floats that JSON lacks. serde_json
 //! writes those as `null`; here they are `{"$float": "inf"}`.
 
-use serde::Serialize;
+mod finite;
+
 use serde::de::value::{BorrowedStrDeserializer, MapAccessDeserializer};
 use serde::de::{
     DeserializeOwned, DeserializeSeed, Deserializer, Error as _, Expected, MapAccess, SeqAccess,
     Unexpected, Visitor,
 };
 use serde::ser::{self, SerializeMap, Serializer};
+use serde::{Deserialize, Serialize};
 use serde_json::{Error, Value as Json};
+
+pub use finite::is_finite;
 
 /// The key of a float that JSON lacks.
 pub const FLOAT: &str = "$float";
@@ -61,12 +65,33 @@ pub fn read<T: DeserializeOwned>(json: &Json) -> Result<T, Error> {
     })
 }
 
-/// A value whose non-finite floats are kept.
-struct Exact<'a, T: ?Sized>(&'a T);
+/// A value whose floats are all kept, whoever writes and reads the JSON: for a type's own
+/// `Serialize` and `Deserialize`.
+#[derive(Debug)]
+pub struct Exact<T>(pub T);
 
-impl<T: Serialize + ?Sized> Serialize for Exact<'_, T> {
+impl<T: Serialize> Serialize for Exact<T> {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        self.0.serialize(Writer(serializer))
+        if serializer.is_human_readable() {
+            self.0.serialize(Writer(serializer))
+        } else {
+            self.0.serialize(serializer)
+        }
+    }
+}
+
+impl<'de, T: DeserializeOwned> Deserialize<'de> for Exact<T> {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        /// JSON that [`Stored`] hands over unchanged.
+        #[derive(Deserialize)]
+        #[serde(rename = "$json")]
+        struct Plain(Json);
+
+        if !deserializer.is_human_readable() {
+            return T::deserialize(deserializer).map(Self);
+        }
+        let Plain(json) = Plain::deserialize(deserializer)?;
+        read(&json).map(Self).map_err(D::Error::custom)
     }
 }
 
@@ -428,7 +453,6 @@ impl<'de> MapAccess<'de> for Entries<'de> {
 mod tests {
     use std::collections::BTreeMap;
 
-    use serde::Deserialize;
     use serde_json::json;
 
     use super::*;
@@ -469,6 +493,19 @@ mod tests {
                 },
             ],
         }
+    }
+
+    #[test]
+    fn every_float_comes_back_from_any_json() {
+        let text = serde_json::to_string(&Exact(state())).unwrap();
+        let json: Json = serde_json::from_str(&text).unwrap();
+        assert_eq!(json, write(&state()).unwrap());
+        let Exact(read) = serde_json::from_str::<Exact<State>>(&text).unwrap();
+        assert_eq!(read, state());
+        let nested = write(&[Exact(state())]).unwrap();
+        let [Exact(read)] = super::read::<[Exact<State>; 1]>(&nested).unwrap();
+        assert_eq!(read, state());
+        assert!(serde_json::from_str::<Exact<f64>>("null").is_err());
     }
 
     #[test]

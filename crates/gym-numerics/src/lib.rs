@@ -2,6 +2,7 @@
 #![warn(clippy::disallowed_methods)]
 
 pub mod exact;
+pub mod file;
 pub mod math;
 pub mod rng;
 pub mod text;

@@ -58,7 +58,8 @@ impl Policy {
                 &checkpoint.with_context(|| format!("{}: no checkpoint", path.display()))?,
             );
         }
-        let text = std::fs::read_to_string(path).with_context(|| path.display().to_string())?;
+        let text =
+            gym::file::read_text(path, usize::MAX).with_context(|| path.display().to_string())?;
         serde_json::from_str(&text).with_context(|| path.display().to_string())
     }
 

@@ -40,7 +40,8 @@ impl Checkpoint {
         if !path.exists() {
             return Ok(None);
         }
-        let text = std::fs::read_to_string(&path).with_context(|| path.display().to_string())?;
+        let text =
+            gym::file::read_text(&path, usize::MAX).with_context(|| path.display().to_string())?;
         serde_json::from_str(&text)
             .map(Some)
             .with_context(|| path.display().to_string())

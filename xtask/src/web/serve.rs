@@ -1,11 +1,12 @@
 //! An HTTP server of the files in a folder, on the loopback address.
 
-use std::fs;
 use std::io::{BufRead, BufReader, Read, Write};
 use std::net::{Ipv4Addr, TcpListener, TcpStream};
 use std::path::{Path, PathBuf};
 use std::sync::mpsc::Sender;
 use std::thread;
+
+use crate::files;
 
 /// The served files.
 #[derive(Clone, Debug)]
@@ -113,7 +114,7 @@ fn file(line: &str, site: &Site) -> Option<(&'static str, Vec<u8>)> {
         Some("json") => "application/json",
         _ => "application/octet-stream",
     };
-    Some((kind, fs::read(folder.join(name)).ok()?))
+    Some((kind, files::read(&folder.join(name)).ok()?))
 }
 
 #[cfg(test)]

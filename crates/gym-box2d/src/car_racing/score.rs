@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use std::path::Path;
 
 use gym_core::canvas::{Canvas, Color, Point, Primitive};
-use gym_core::{Error, Result};
+use gym_core::{Error, Result, file};
 use serde::Deserialize;
 
 /// The distance from one character to the next, in pixels of the window.
@@ -51,6 +51,8 @@ const ROWS: usize = 32;
 const TOP: usize = 730;
 /// The largest width of a glyph.
 const WIDEST: usize = 64;
+/// The largest size of a file of glyphs, in bytes: several times the hexadecimal digits.
+const MAX_LEN: usize = 1 << 20;
 
 impl ScoreGlyphs {
     /// Reads a file that the program above wrote.
@@ -60,7 +62,7 @@ impl ScoreGlyphs {
     /// the glyphs.
     pub fn read(path: impl AsRef<Path>) -> Result<Self> {
         let path = path.as_ref();
-        let text = std::fs::read_to_string(path).map_err(|error| Error::io(path, error))?;
+        let text = file::read_text(path, MAX_LEN).map_err(|error| Error::io(path, error))?;
         Self::parse(&text)
     }
 

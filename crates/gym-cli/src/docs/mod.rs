@@ -70,7 +70,7 @@ pub(crate) fn docs(
         }
     }
     let mut changed = documents.into_iter().filter(|(path, content)| {
-        std::fs::read(folder.join(path)).map_or(true, |old| old != *content)
+        gym::file::read(&folder.join(path), usize::MAX).map_or(true, |old| old != *content)
     });
     if arguments.check {
         if let Some((path, _)) = changed.next() {

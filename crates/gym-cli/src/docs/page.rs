@@ -226,7 +226,8 @@ impl Page {
             .iter()
             .any(|entry| !entry.page.actions.is_empty());
         let path = folder.join(source.file);
-        let text = std::fs::read_to_string(&path).map_err(|error| Error::io(&path, error))?;
+        let text =
+            gym::file::read_text(&path, usize::MAX).map_err(|error| Error::io(&path, error))?;
         Ok(Self {
             name: module.replace('_', "-"),
             docs: Docs::parse(&text, source.file, actions)?,

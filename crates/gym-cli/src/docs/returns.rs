@@ -42,7 +42,7 @@ pub(super) fn read(folder: &Path) -> Result<Returns> {
     if !path.exists() {
         return Ok(Returns::new());
     }
-    let text = std::fs::read_to_string(&path).map_err(|error| Error::io(&path, error))?;
+    let text = gym::file::read_text(&path, usize::MAX).map_err(|error| Error::io(&path, error))?;
     serde_json::from_str(&text).map_err(|error| {
         Error::custom(format!(
             "{FILE}: {error}: write it with `cargo xtask docs --measure`"

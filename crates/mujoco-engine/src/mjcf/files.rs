@@ -2,11 +2,10 @@
 
 use std::cell::Cell;
 use std::collections::BTreeMap;
-use std::fs::File;
-use std::io::Read;
 use std::path::{Path, PathBuf};
 use std::rc::Rc;
 
+use gym_numerics::file;
 use roxmltree::{Document, Node, ParsingOptions};
 
 use super::tidy::tidy;
@@ -139,16 +138,10 @@ impl Texts {
 }
 
 fn read(path: &Path) -> Result<String> {
-    let in_file = |error: std::io::Error| Error::File {
+    file::read_text(path, MAX_LEN).map_err(|error| Error::File {
         path: path.display().to_string(),
         reason: error.to_string(),
-    };
-    let mut text = String::new();
-    let file = File::open(path).map_err(in_file)?;
-    // read at most one byte more than `parse` accepts: a device such as `/dev/zero` never ends
-    let read = file.take(MAX_LEN as u64 + 1).read_to_string(&mut text);
-    read.map_err(in_file)?;
-    Ok(text)
+    })
 }
 
 /// The bytes of a regular file. `left`, how many more may be read, becomes smaller.

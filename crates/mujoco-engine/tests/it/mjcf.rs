@@ -542,16 +542,31 @@ fn copies_are_counted_before_they_are_made() {
     assert_eq!(m.site_id(&format!("{name}_0999")), Some(999));
 }
 
-/// (`/dev/zero` never ends.)
-#[cfg(target_os = "linux")]
+/// A pipe would wait for a writer, and a device such as `/dev/zero` never ends: as the model and as
+/// an included file.
+#[cfg(unix)]
 #[test]
-fn endless_files_are_refused() {
-    assert!(
-        Model::from_path("/dev/zero")
-            .unwrap_err()
-            .to_string()
-            .contains("the limit is")
-    );
+fn what_is_not_a_regular_file_is_refused() {
+    let folder = std::env::temp_dir().join(format!("mjcf-pipes-{}", std::process::id()));
+    std::fs::create_dir_all(&folder).unwrap();
+    let pipe = folder.join("pipe");
+    let made = std::process::Command::new("mkfifo").arg(&pipe).status();
+    assert!(made.unwrap().success());
+    let model = folder.join("model.xml");
+    let text = "<mujoco><include file=\"pipe\"/></mujoco>";
+    std::fs::write(&model, text).unwrap();
+    for path in [&*pipe, &model, &folder, "/dev/zero".as_ref()] {
+        // on a thread, so that the test fails if the call waits
+        let (sender, receiver) = std::sync::mpsc::channel();
+        let path = path.to_owned();
+        std::thread::spawn(move || sender.send(Model::from_path(path).unwrap_err().to_string()));
+        let error = receiver
+            .recv_timeout(std::time::Duration::from_secs(20))
+            .unwrap();
+        let words = ["not a regular file", "there is no file"];
+        assert!(words.iter().any(|words| error.contains(words)), "{error}");
+    }
+    std::fs::remove_dir_all(&folder).unwrap();
 }
 
 /// MuJoCo makes an empty model of a file that is a part of another.

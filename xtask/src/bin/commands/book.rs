@@ -16,7 +16,7 @@ pub(crate) type Marks = [&'static str; 2];
 /// Returns the page at `path` in `folder`, with `text` between its marks.
 pub(crate) fn page(folder: &Path, path: &str, marks: Marks, text: &str) -> Result<Document> {
     let file = folder.join(path);
-    let page = std::fs::read_to_string(&file).map_err(|error| Error::io(&file, error))?;
+    let page = gym::file::read_text(&file, usize::MAX).map_err(|error| Error::io(&file, error))?;
     Ok((path.into(), between(path, &page, marks, text)?.into_bytes()))
 }
 
@@ -40,7 +40,8 @@ pub(crate) fn check(folder: &Path) -> Result<()> {
         .iter()
         .filter(|file| file.extension().is_some_and(|extension| extension == "md"))
     {
-        let text = std::fs::read_to_string(page).map_err(|error| Error::io(page, error))?;
+        let text =
+            gym::file::read_text(page, usize::MAX).map_err(|error| Error::io(page, error))?;
         let name = page.strip_prefix(folder).unwrap_or(page).display();
         for link in links(&text) {
             match target(folder, page, link) {
@@ -141,7 +142,7 @@ fn target(folder: &Path, page: &Path, link: &str) -> Result<Option<PathBuf>, Str
         return Err("leads out of the book".into());
     };
     if !anchor.is_empty() {
-        let text = std::fs::read_to_string(&file).map_err(|error| error.to_string())?;
+        let text = gym::file::read_text(&file, usize::MAX).map_err(|error| error.to_string())?;
         let headings = prose(&text).filter(|line| line.starts_with('#'));
         if !headings.map(slug).any(|heading| heading == anchor) {
             return Err("leads to a missing heading".into());

@@ -16,6 +16,7 @@ mod parity;
 mod parity_box2d;
 mod places;
 mod properties;
+mod restored;
 mod sizes;
 mod sources;
 mod stack;

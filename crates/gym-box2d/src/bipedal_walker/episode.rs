@@ -1,6 +1,7 @@
 //! The world of an episode: how it is made, how the motors drive it, and what a step is worth.
 
 use gym_core::canvas::Point;
+use gym_core::exact::is_finite;
 use gym_core::math::{cos, sin};
 use gym_core::{Continuous, Generator, Outcome, Precision};
 
@@ -212,7 +213,8 @@ impl Episode {
         /// Far above the largest potential of an episode.
         const MAX_SHAPING: f64 = 1e6;
         let world = &self.world;
-        world.is_valid()
+        is_finite(self)
+            && world.is_valid()
             && world.has_body(self.hull)
             && self.legs.iter().all(|leg| world.has_body(*leg))
             && self.joints.iter().all(|joint| world.has_joint(*joint))

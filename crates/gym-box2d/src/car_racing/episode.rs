@@ -1,5 +1,6 @@
 //! The world of an episode: how it is made, and what a step is worth.
 
+use gym_core::exact::is_finite;
 use gym_core::{Generator, Outcome};
 
 use super::car::Car;
@@ -162,7 +163,8 @@ impl Episode {
 
     pub(super) fn is_valid(&self) -> bool {
         let n = self.track.len();
-        self.world.is_valid()
+        is_finite(self)
+            && self.world.is_valid()
             && n > 0
             && [
                 self.tiles.len(),

@@ -4,6 +4,7 @@
 use std::f64::consts::PI;
 
 use gym_core::canvas::Point;
+use gym_core::exact::is_finite;
 use gym_core::math::{cos, sin, tanh};
 use gym_core::{Generator, Outcome};
 
@@ -269,7 +270,8 @@ impl Episode {
         /// Far above the potential of any position and speed.
         const MAX_SHAPING: f64 = 1e6;
         let [a, b] = self.legs;
-        self.world.is_valid()
+        is_finite(self)
+            && self.world.is_valid()
             && self
                 .prev_shaping
                 .is_none_or(|shaping| shaping.abs() <= MAX_SHAPING)

@@ -1,5 +1,6 @@
 //! The common interface of both engines.
 
+use gym_core::exact::is_finite;
 use serde::{Deserialize, Serialize};
 
 #[cfg(feature = "rapier")]
@@ -329,7 +330,7 @@ impl World {
 
     /// Whether a deserialized world can be used without a panic.
     pub fn is_valid(&self) -> bool {
-        engine!(&self.engine, world => world.is_valid())
+        is_finite(self) && engine!(&self.engine, world => world.is_valid())
     }
 
     /// Whether a deserialized id belongs to a body of this world.

@@ -1,5 +1,6 @@
 //! Tests of the whole engine.
 
+mod buffers;
 mod recorded;
 
 use super::island::Island;

@@ -449,6 +449,7 @@ impl Env for SimEnv {
         }) = &mut episode
         {
             let valid = data.check(&self.simulation.model).is_ok()
+                && data.is_bounded()
                 && (!self.settles() || data.is_computed())
                 && *steps as f64 <= settings.limit.min(1e15)
                 && self.task.has(constants)

@@ -6,7 +6,9 @@ use super::inertia::MINVAL;
 use crate::Result;
 use crate::error::ensure;
 use crate::math::spatial::norm;
-use crate::model::{BiasType, CompiledModel, GainType, JointType, WrapType};
+use crate::model::{
+    BiasType, CompiledModel, GainType, JointType, MAX_ITERATIONS, WrapType, most_iterations,
+};
 
 /// The part by which moments of inertia may miss the inequality of their sums, by rounding.
 const ROUNDING: f64 = 1e-9;
@@ -46,6 +48,17 @@ fn options(m: &CompiledModel) -> Result<()> {
     ] {
         let allowed = number >= 0.0;
         ensure!(allowed, "{name} is {number}, which must not be negative");
+    }
+    for (name, number) in [
+        ("iterations", o.iterations),
+        ("ls_iterations", o.ls_iterations),
+        ("noslip_iterations", o.noslip_iterations),
+    ] {
+        ensure!(
+            number <= MAX_ITERATIONS,
+            "opt.{name} is {number}, more than {}",
+            most_iterations()
+        );
     }
     let [[gx, gy, gz], [wx, wy, wz]] = [o.gravity, o.wind];
     finite("opt", &[gx, gy, gz, wx, wy, wz, o.density, o.viscosity])?;

@@ -146,10 +146,17 @@ impl Classes {
             return Ok(inherited);
         };
         self.numbers.get(&name).copied().ok_or_else(|| {
+            /// The most classes that a message names.
+            const MOST: usize = 10;
             let names: Vec<&str> = self.all.iter().map(|class| &*class.name).collect();
+            let named = &names[..names.len().min(MOST)];
+            let more = match names.len() - named.len() {
+                0 => String::new(),
+                more => format!(", and {more} more"),
+            };
             let reason = format!(
-                "there is no class {name:?}: the classes are {}",
-                names.join(", ")
+                "there is no class {name:?}: the classes are {}{more}",
+                named.join(", ")
             );
             element.place().attribute(attribute, reason)
         })

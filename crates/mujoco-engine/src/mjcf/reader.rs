@@ -123,8 +123,11 @@ impl Reader<'_> {
             ("CG", Solver::CG),
         ];
         element.set_keyword("solver", &solvers, &mut option.solver)?;
-        replace(&mut option.iterations, element.integer("iterations")?);
-        replace(&mut option.ls_iterations, element.integer("ls_iterations")?);
+        replace(&mut option.iterations, element.iterations("iterations")?);
+        replace(
+            &mut option.ls_iterations,
+            element.iterations("ls_iterations")?,
+        );
         element.set_non_negative("tolerance", &mut option.tolerance)?;
         element.set_non_negative("ls_tolerance", &mut option.ls_tolerance)?;
         let cones = [("pyramidal", Cone::Pyramidal), ("elliptic", Cone::Elliptic)];
@@ -136,7 +139,7 @@ impl Reader<'_> {
         replace(&mut option.impratio, element.positive("impratio")?);
         replace(
             &mut option.noslip_iterations,
-            element.integer("noslip_iterations")?,
+            element.iterations("noslip_iterations")?,
         );
         element.set_non_negative("noslip_tolerance", &mut option.noslip_tolerance)?;
         replace(&mut option.magnetic, element.numbers("magnetic")?);

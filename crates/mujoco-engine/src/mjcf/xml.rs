@@ -8,6 +8,7 @@ use std::str::FromStr;
 use roxmltree::{Attribute, Node};
 
 use super::files::Files;
+use crate::model::{MAX_ITERATIONS, most_iterations};
 use crate::{Error, Result};
 
 /// An element of a model's text, with the attributes that are not read yet.
@@ -411,6 +412,18 @@ impl<'a, 'input> Element<'a, 'input> {
                 let reason = format!("{value:?} is not a whole number in range");
                 Err(self.at(&attribute, reason))
             }
+        }
+    }
+
+    /// Reads a number of iterations, at most [`MAX_ITERATIONS`].
+    pub(crate) fn iterations(&mut self, name: &'static str) -> Result<Option<usize>> {
+        let number = self.integer(name)?;
+        match number {
+            Some(number) if number > MAX_ITERATIONS => {
+                let reason = format!("{number} is more than {}", most_iterations());
+                Err(self.place().attribute(name, reason))
+            }
+            number => Ok(number),
         }
     }
 

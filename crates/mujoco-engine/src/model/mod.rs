@@ -44,8 +44,8 @@ pub(crate) use sensors::{About, CONTACT, RAY, Stage};
 pub use shared::Shared;
 pub(crate) use softness::{SOLIMP, SOLREF, Softness};
 pub use textures::{TextureType, Textures};
-pub(crate) use types::padded;
 pub use types::{Disable, Fluid, Names, Options, Parameters, Statistics};
+pub(crate) use types::{MAX_ITERATIONS, most_iterations, padded};
 
 /// A compiled model, with the field names of MuJoCo's `mjModel`.
 ///

@@ -197,9 +197,17 @@ pub(crate) fn padded<const N: usize>(numbers: &[f64]) -> [f64; N] {
 #[serde(from = "Numbers")]
 pub struct Fluid(pub [f64; 12]);
 
+/// The largest number of iterations of a solver: with a tolerance of 0, a step takes them all.
+pub(crate) const MAX_ITERATIONS: usize = 100_000;
+
+/// The limit, for messages.
+pub(crate) fn most_iterations() -> String {
+    format!("{MAX_ITERATIONS}, with which a step may take seconds")
+}
+
 /// A number or a list of numbers.
 #[derive(Deserialize)]
-#[serde(untagged)]
+#[serde(untagged, expecting = "expected a number or a list of numbers")]
 enum Numbers {
     One(f64),
     Several(Vec<f64>),

@@ -3,6 +3,7 @@
 mod ahead;
 mod keyframe;
 
+use gym_numerics::exact::Exact;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
 use crate::math::MAXVAL;
@@ -222,26 +223,26 @@ impl Serialize for Data {
     fn serialize<S: Serializer>(&self, serializer: S) -> std::result::Result<S::Ok, S::Error> {
         let state = self.state();
         let before = (self.last.is_some() && self.before != state).then(|| self.before.clone());
-        Stored {
+        Exact(Stored {
             last: self.last,
             contact_forces: self.contact_forces,
             state,
             before,
             userdata: self.userdata.clone(),
-        }
+        })
         .serialize(serializer)
     }
 }
 
 impl<'de> Deserialize<'de> for Data {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> std::result::Result<Self, D::Error> {
-        let Stored {
+        let Exact(Stored {
             last,
             contact_forces,
             state,
             before,
             userdata,
-        } = Stored::deserialize(deserializer)?;
+        }) = Exact::deserialize(deserializer)?;
         let before = before.unwrap_or_else(|| state.clone());
         let mut data = Self {
             last,
@@ -529,44 +530,61 @@ impl Data {
     /// Checks that the data fits the model, for instance after reading a snapshot.
     ///
     /// # Errors
-    /// [`Error::Data`] if an array of the state has another length than the model's, or a number
-    /// exceeds the engine's bounds.
+    /// [`Error::Data`] if an array of the state has another length than the model's. Any number may
+    /// stand in it, as after a step that diverged: see [`is_bounded`](Self::is_bounded).
     pub fn check(&self, m: &Model) -> Result<()> {
-        let (before, now) = (self.last.map(|_| &self.before), &self.state());
-        for state in before.into_iter().chain([now]) {
+        for state in self.states() {
             let none = state.qfrc_applied.is_empty() && state.xfrc_applied.is_empty();
             let applied = |length: usize| if none { 0 } else { length };
             let inverse = self.last == Some(Call::Inverse) && state.qacc.len() == m.nv();
-            let (mocap_pos, mocap_quat) = (
-                state.mocap_pos.as_flattened(),
-                state.mocap_quat.as_flattened(),
-            );
-            let xfrc = state.xfrc_applied.as_flattened();
-            let (mocap, nqacc) = (m.nmocap(), if inverse { m.nv() } else { 0 });
-            for (name, numbers, length, most) in [
-                ("qpos", &state.qpos[..], m.nq(), MAXVAL),
-                ("qvel", &state.qvel, m.nv(), MAXVAL),
-                ("ctrl", &state.ctrl, m.nu(), f64::from(f32::MAX)),
-                ("qacc_warmstart", &state.qacc_warmstart, m.nv(), MAXVAL),
-                ("act", &state.act, m.na(), MAXVAL),
-                ("mocap_pos", mocap_pos, 3 * mocap, MAXVAL),
-                ("mocap_quat", mocap_quat, 4 * mocap, MAXVAL),
-                ("qfrc_applied", &state.qfrc_applied, applied(m.nv()), MAXVAL),
-                ("xfrc_applied", xfrc, applied(6 * m.nbody()), MAXVAL),
-                ("qacc", &state.qacc, nqacc, MAXVAL),
+            let nqacc = if inverse { m.nv() } else { 0 };
+            for (name, have, length) in [
+                ("qpos", state.qpos.len(), m.nq()),
+                ("qvel", state.qvel.len(), m.nv()),
+                ("ctrl", state.ctrl.len(), m.nu()),
+                ("qacc_warmstart", state.qacc_warmstart.len(), m.nv()),
+                ("act", state.act.len(), m.na()),
+                ("mocap_pos", state.mocap_pos.len(), m.nmocap()),
+                ("mocap_quat", state.mocap_quat.len(), m.nmocap()),
+                ("qfrc_applied", state.qfrc_applied.len(), applied(m.nv())),
+                ("xfrc_applied", state.xfrc_applied.len(), applied(m.nbody())),
+                ("qacc", state.qacc.len(), nqacc),
             ] {
-                let have = numbers.len();
                 if have != length {
                     let reason = format!("{name} has {have} elements, the model needs {length}");
-                    return Err(Error::Data(reason));
-                }
-                if let Some(x) = numbers.iter().find(|x| x.is_nan() || x.abs() > most) {
-                    let reason = format!("{name} has {x}: numbers must lie within ±{most:e}");
                     return Err(Error::Data(reason));
                 }
             }
         }
         Ok(())
+    }
+
+    /// Whether every number of the state lies within ±1e10, and of `ctrl` within the range of
+    /// `float32`. The next step resets a state that does not.
+    pub fn is_bounded(&self) -> bool {
+        let within = |most: f64| move |x: &f64| x.abs() <= most; // false for NaN
+        self.states().iter().all(|state| {
+            let parts = [
+                &state.qpos[..],
+                &state.qvel,
+                &state.qacc_warmstart,
+                &state.act,
+                state.mocap_pos.as_flattened(),
+                state.mocap_quat.as_flattened(),
+                &state.qfrc_applied,
+                state.xfrc_applied.as_flattened(),
+                &state.qacc,
+            ];
+            state.time.is_finite()
+                && parts.into_iter().flatten().all(within(MAXVAL))
+                && state.ctrl.iter().all(within(f32::MAX.into()))
+        })
+    }
+
+    /// The current state, and the one from which the last call started.
+    fn states(&self) -> Vec<State> {
+        let before = self.last.map(|_| self.before.clone());
+        before.into_iter().chain([self.state()]).collect()
     }
 
     /// Resizes every array to the sizes of the model. Arrays of the right length do not change.

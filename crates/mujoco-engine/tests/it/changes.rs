@@ -274,3 +274,87 @@ fn frames_that_hardly_differ_are_one() {
     forward(&m, &mut d);
     assert_ne!(d.geom_xmat[0], d.ximat[1]);
 }
+
+/// Data whose numbers are not finite, as after a step that diverged, is stored as JSON whole, fits
+/// its model, and goes on as the original. No number panics.
+#[test]
+fn data_that_diverged_can_be_stored_and_goes_on() {
+    let parts: [fn(&mut Data) -> &mut f64; 7] = [
+        |d| &mut d.qpos[0],
+        |d| &mut d.qvel[0],
+        |d| &mut d.qacc_warmstart[0],
+        |d| &mut d.ctrl[0],
+        |d| &mut d.qfrc_applied[0],
+        |d| &mut d.xfrc_applied[3][2],
+        |d| &mut d.time,
+    ];
+    for (m, _) in versions() {
+        for bad in [f64::NAN, f64::INFINITY, -1e300] {
+            for (i, part) in parts.iter().enumerate() {
+                let mut d = steps(&m, step);
+                assert!(d.is_bounded());
+                *part(&mut d) = bad;
+                step(&m, &mut d);
+                *part(&mut d) = bad;
+                assert_eq!(d.is_bounded(), i == 6 && bad == -1e300, "{i} {bad}");
+                let text = serde_json::to_string(&d).unwrap();
+                assert_eq!(text.contains("$float"), !bad.is_finite(), "{text}");
+                let mut again: Data = serde_json::from_str(&text).unwrap();
+                again.check(&m).unwrap();
+                again.resume(&m);
+                assert_eq!(serde_json::to_string(&again).unwrap(), text, "{i} {bad}");
+                for _ in 0..3 {
+                    for data in [&mut d, &mut again] {
+                        step(&m, data);
+                    }
+                    let stored = |d| serde_json::to_string(d).unwrap();
+                    assert_eq!(stored(&d), stored(&again), "{i} {bad}");
+                }
+            }
+        }
+    }
+}
+
+/// With a tolerance of 0 a step takes every iteration, so that 2^31 would never end.
+#[test]
+fn iterations_have_a_limit() {
+    for solver in ["Newton", "CG", "PGS"] {
+        let text = |options: &str| {
+            format!(
+                r#"<mujoco><option solver="{solver}" tolerance="0" {options}/><worldbody>
+                <geom type="plane" size="1 1 1"/><body pos="0 0 .05"><freejoint/>
+                <geom size=".1" friction="1"/></body></worldbody></mujoco>"#
+            )
+        };
+        for option in ["iterations", "ls_iterations", "noslip_iterations"] {
+            let most = text(&format!("{option}=\"100000\""));
+            let m = Model::from_xml(&most).unwrap();
+            step(&m, &mut Data::new(&m));
+            let error = Model::from_xml(&text(&format!("{option}=\"2147483647\"")));
+            let error = error.unwrap_err().to_string();
+            assert!(
+                error.contains(option) && error.contains("more than 100000"),
+                "{error}"
+            );
+        }
+        let mut m = Model::from_xml(&text("")).unwrap();
+        let error = m.change(|c| c.opt.noslip_iterations = 1 << 31);
+        assert!(error.unwrap_err().to_string().contains("noslip_iterations"));
+    }
+}
+
+/// An unknown class is told with a few that exist.
+#[test]
+fn not_every_class_is_named() {
+    let classes: String = (0..500)
+        .map(|i| format!("<default class=\"a rather long name {i}\"/>"))
+        .collect();
+    let text = format!(
+        "<mujoco><default>{classes}</default><worldbody><geom class=\"b\" size=\"1\"/></worldbody></mujoco>"
+    );
+    let error = Model::from_xml(&text).unwrap_err().to_string();
+    assert!(
+        error.contains("a rather long name 1, ") && error.contains("more") && error.len() < 500,
+        "{error}"
+    );
+}

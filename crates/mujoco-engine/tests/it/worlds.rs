@@ -114,3 +114,55 @@ fn a_world_that_diverges_starts_anew() {
     assert_eq!(worlds.qpos[7 * model.nq()..][..model.nq()], model.qpos0);
     assert_eq!(worlds.array(Derived::Xpos), None);
 }
+
+/// Worlds whose numbers are not finite leave nothing in the memory that they share with others: the
+/// others keep their bits, and after `reset` all are as new.
+#[test]
+fn worlds_that_diverge_leave_nothing_behind() {
+    const LEN: usize = 24;
+    for text in [HOPPER, BALL] {
+        let model = Arc::new(Model::from_xml(text).unwrap());
+        let (nq, nv, nu) = (model.nq(), model.nv(), model.nu());
+        let new = || Worlds::new(&model, LEN, &[Derived::Xpos, Derived::CfrcExt]);
+        let (mut used, mut fresh) = (new(), new());
+        let step = |worlds: &mut Worlds, i: usize| {
+            for world in 0..LEN {
+                let control = (7 * (i + world) % 11) as f64 / 5.0 - 1.0;
+                worlds.ctrl[world * nu..][..nu].fill(control);
+            }
+            worlds.step(4);
+        };
+        let bits = |worlds: &Worlds, world: usize| -> Vec<u64> {
+            let own = [
+                &worlds.qpos[world * nq..][..nq],
+                &worlds.qvel[world * nv..][..nv],
+            ];
+            own.concat().iter().map(|x| x.to_bits()).collect()
+        };
+        for (i, bad) in [f64::NAN, f64::INFINITY, 9e9, -1e300, 1e7]
+            .into_iter()
+            .cycle()
+            .take(30)
+            .enumerate()
+        {
+            for world in (0..LEN).step_by(2) {
+                used.qpos[world * nq..][..nq].fill(bad);
+                used.qvel[world * nv..][..nv].fill(bad);
+            }
+            step(&mut used, i);
+            step(&mut fresh, i);
+            for world in (1..LEN).step_by(2) {
+                assert_eq!(bits(&used, world), bits(&fresh, world), "{i} {world}");
+            }
+        }
+        (0..LEN).for_each(|world| used.reset(world));
+        let mut fresh = new();
+        for i in 0..40 {
+            step(&mut used, i);
+            step(&mut fresh, i);
+            for world in 0..LEN {
+                assert_eq!(bits(&used, world), bits(&fresh, world), "{i} {world}");
+            }
+        }
+    }
+}

@@ -21,7 +21,7 @@ use serde_json::{Value as Json, json};
 use crate::action::Check;
 use crate::convert::rendered;
 use crate::error::{OrRaise, guard};
-use crate::fork::Origin;
+use crate::fork::{IN_USE, Origin};
 use crate::history::{History, Source};
 use crate::json::{from_json, reset_of};
 use crate::numbers::Numbers;
@@ -196,7 +196,7 @@ impl Env {
             Ok(core) => Ok(core),
             Err(TryLockError::Poisoned(poisoned)) => Ok(poisoned.into_inner()),
             Err(TryLockError::WouldBlock) => {
-                self.origin.check("environment")?;
+                self.origin.check("environment", IN_USE)?;
                 Ok(self
                     .core
                     .lock_py_attached(py)

@@ -102,11 +102,11 @@ const WORDS: [(&str, &str); 14] = [
     (" (os error 13)", ""),
     ("recv_into", "recv"),
     (
-        "data did not match any variant of untagged enum Frameskip",
+        "expected a whole number, or a list of two, [low, high]",
         "expected a whole number, or a pair of them, (low, high)",
     ),
     (
-        "data did not match any variant of untagged enum Each",
+        "expected a list of a value for each environment, or the range {\"low\": ..., \"high\": ...}",
         "expected a value for each environment, or a pair of numbers, (low, high)",
     ),
 ];

@@ -5,6 +5,12 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use pyo3::exceptions::PyRuntimeError;
 use pyo3::prelude::*;
 
+/// Of an object that works on threads of its own.
+pub(crate) const THREADS: &str = "the threads it needs stayed";
+
+/// Of an object that one thread uses at a time.
+pub(crate) const IN_USE: &str = "another thread was using it";
+
 /// The number of forks between the first process and this one.
 static FORKS: AtomicU64 = AtomicU64::new(0);
 
@@ -30,13 +36,14 @@ impl Origin {
         self.0 == Self::here().0
     }
 
-    /// Returns an error in a forked child, where the threads of the parent do not exist.
-    pub(crate) fn check(self, what: &str) -> PyResult<()> {
+    /// Returns an error in a forked child, where the threads of the parent do not exist. `stayed`
+    /// says what the object needs of them.
+    pub(crate) fn check(self, what: &str, stayed: &str) -> PyResult<()> {
         if self.is_here() {
             return Ok(());
         }
         Err(PyRuntimeError::new_err(format!(
-            "this {what} was made before the process was forked, and the threads it needs stayed in the parent: make it in the child"
+            "this {what} was made before the process was forked, and {stayed} in the parent: make it in the child"
         )))
     }
 }

@@ -20,7 +20,7 @@ use serde_json::{Value as Json, json};
 use crate::convert::{action_from_python, new_array, refill, rendered, to_python};
 use crate::env::Env;
 use crate::error::{OrRaise, guard, gymnasium};
-use crate::fork::Origin;
+use crate::fork::{IN_USE, Origin, THREADS};
 use crate::infos::{Key, info_keys, ordered};
 use crate::json::{from_json, reset_of};
 use crate::numbers::Numbers;
@@ -91,13 +91,13 @@ impl Vector {
     fn lock(&self, py: Python<'_>) -> PyResult<MutexGuard<'_, Core>> {
         let has_threads = self.spec.vectorization_mode == VectorKind::Async;
         if has_threads {
-            self.origin.check("vector")?;
+            self.origin.check("vector", THREADS)?;
         }
         match self.core.try_lock() {
             Ok(core) => Ok(core),
             Err(TryLockError::Poisoned(poisoned)) => Ok(poisoned.into_inner()),
             Err(TryLockError::WouldBlock) => {
-                self.origin.check("vector")?;
+                self.origin.check("vector", IN_USE)?;
                 Ok(self
                     .core
                     .lock_py_attached(py)

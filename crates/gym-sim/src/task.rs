@@ -198,7 +198,7 @@ impl Measured {
 
 /// A stored number or vector.
 #[derive(Deserialize)]
-#[serde(untagged)]
+#[serde(untagged, expecting = "expected a number or a list of numbers")]
 pub(crate) enum Number {
     One(f64),
     Several(Vec<f64>),

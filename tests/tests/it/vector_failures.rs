@@ -374,3 +374,103 @@ fn a_sub_environment_that_fails_to_reset_answers_nothing() {
         assert!(envs.info_map(0).is_empty());
     }
 }
+
+/// An environment that panics in one of its functions, counted from the second sub-environment on.
+#[derive(Clone, Debug, Default)]
+struct Panics(&'static str);
+
+impl Panics {
+    fn maybe(&self, place: &str) {
+        assert!(self.0 != place, "a bad {place}");
+    }
+}
+
+impl Drop for Panics {
+    fn drop(&mut self) {
+        self.maybe("drop");
+    }
+}
+
+impl Env for Panics {
+    type Observation = i64;
+    type Action = u8;
+
+    fn observation_space(&self) -> Space {
+        Space::discrete(2)
+    }
+
+    fn action_space(&self) -> Space {
+        Space::discrete(2)
+    }
+
+    fn reset_into(&mut self, _: &Reset, observation: &mut i64) -> Result<()> {
+        *observation = 0;
+        Ok(())
+    }
+
+    fn step_into(&mut self, _: &u8, _: &mut i64) -> Result<Outcome> {
+        Ok(Outcome::default())
+    }
+
+    fn snapshot(&self) -> Result<Snapshot> {
+        self.maybe("snapshot");
+        Snapshot::of(&1)
+    }
+
+    fn restore(&mut self, _: &Snapshot) -> Result<()> {
+        self.maybe("restore");
+        Ok(())
+    }
+
+    fn close(&mut self) {
+        self.maybe("close");
+    }
+}
+
+/// The panics of `reset` and `step` are errors; so are those of every other function.
+#[test]
+fn a_panic_anywhere_stays_within_the_vector() {
+    let envs = |place| [Panics(""), Panics(place), Panics("")];
+    type Make = fn([Panics; 3]) -> Box<dyn VectorEnv>;
+    let kinds: [Make; 2] = [
+        |envs| Box::new(SyncVectorEnv::new(envs).unwrap()),
+        |envs| Box::new(AsyncVectorEnv::new(envs).unwrap()),
+    ];
+    for make in kinds {
+        for place in ["snapshot", "restore", "close", "drop"] {
+            let mut vector = make(envs(place));
+            vector.reset(1).unwrap();
+            let snapshot = vector.snapshot();
+            let named = |error: Error| {
+                let text = error.to_string();
+                assert!(
+                    text.contains("sub-environment 1") && text.contains(&format!("a bad {place}")),
+                    "{text}"
+                );
+            };
+            match (place, snapshot) {
+                ("snapshot", snapshot) => named(snapshot.unwrap_err()),
+                ("restore", snapshot) => {
+                    named(vector.restore(&snapshot.unwrap()).unwrap_err());
+                    // nothing has changed
+                    vector.step(&Value::from(vec![0i64; 3])).unwrap();
+                }
+                _ => vector.close(),
+            }
+        }
+    }
+    let made = |index: usize| {
+        assert!(index != 1, "a bad beginning");
+        Ok(Panics(""))
+    };
+    let spec = builder("CartPole-v1").spec().unwrap();
+    let spec = gym::vector::VectorSpec::new(spec, 3, gym::registry::VectorKind::Native);
+    let error = SyncVectorEnv::native(&spec, made)
+        .err()
+        .unwrap()
+        .to_string();
+    assert!(
+        error.contains("sub-environment 1") && error.contains("a bad beginning"),
+        "{error}"
+    );
+}

@@ -65,7 +65,10 @@ pub enum ObsType {
 
 /// The number of frames for each action.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(untagged)]
+#[serde(
+    untagged,
+    expecting = "expected a whole number, or a list of two, [low, high]"
+)]
 pub enum Frameskip {
     /// A fixed number.
     Fixed(i64),

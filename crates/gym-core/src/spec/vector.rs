@@ -110,7 +110,10 @@ pub struct VectorSpec {
 
 /// An argument of each sub-environment.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(untagged)]
+#[serde(
+    untagged,
+    expecting = "expected a list of a value for each environment, or the range {\"low\": ..., \"high\": ...}"
+)]
 pub enum Each {
     /// A value for each environment.
     Values(Vec<Json>),

@@ -13,6 +13,7 @@ mod columns;
 mod ext;
 pub(crate) mod infos;
 pub mod lockstep;
+mod panic;
 pub mod parts;
 mod pool;
 mod reset;

@@ -92,7 +92,7 @@ impl<E: Env> AsyncVectorEnv<E> {
             &spaces,
             None,
         )?;
-        let first = slots.first().map(|slot| &slot.env);
+        let first = slots.first().map(|slot| &*slot.env);
         let metadata = first.map_or_else(Metadata::default, Env::metadata);
         let env_spec = first.and_then(Env::spec);
         Ok(Self {

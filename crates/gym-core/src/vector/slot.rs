@@ -1,10 +1,10 @@
 //! One sub-environment of a vector, and its steps with automatic resets.
 
 use std::any::Any;
-use std::panic::{AssertUnwindSafe, catch_unwind};
 
 use serde::{Deserialize, Serialize};
 
+use super::panic::{Held, contained};
 use super::{Autoreset, Columns, ObservationMode, Progress, VectorSpec, size};
 use crate::env::{BoxEnv, Env, Inspect, Outcome};
 use crate::spaces::Space;
@@ -13,7 +13,7 @@ use crate::value::{Element, Error, Result, Snapshot, Value};
 
 /// A sub-environment with its last result. Sync and async vectors are made of these.
 pub(crate) struct Slot<E> {
-    pub(super) env: E,
+    pub(super) env: Held<E>,
     /// The action of the next step.
     pub(super) action: Value,
     observation: Value,
@@ -66,7 +66,7 @@ impl<E: Env> Slot<E> {
     fn new(env: E, spaces: &Spaces) -> Result<Self> {
         let observation = spaces.observation.zero()?;
         Ok(Self {
-            env,
+            env: Held::new(env),
             action: Value::Null,
             spare: observation.clone(),
             observation,
@@ -241,14 +241,16 @@ impl<E: Env> Slot<E> {
 
     /// Turns a panic of the environment into an error.
     fn guard(&mut self, call: impl FnOnce(&mut Self) -> Result<()>) -> Result<()> {
-        let result = catch_unwind(AssertUnwindSafe(|| call(self)));
-        result.unwrap_or_else(|panic| {
+        let mut is_over = false;
+        let result = contained("; reset it before the next step", || {
+            let result = call(self);
+            is_over = true;
+            result
+        });
+        if !is_over {
             self.stage = Stage::Panicked;
-            Err(Error::Contract(format!(
-                "it panicked; reset it before the next step: {}",
-                message(&*panic)
-            )))
-        })
+        }
+        result
     }
 
     /// Clears the last result, except the observation.
@@ -298,7 +300,7 @@ impl<E: Env> Slot<E> {
             ..
         } = self;
         Ok(StoredSlot {
-            env: env.snapshot()?,
+            env: contained(" in `snapshot`", || env.snapshot())?,
             stage: *stage,
             progress: *progress,
             observation: observation.clone(),
@@ -323,12 +325,12 @@ impl<E: Env> Slot<E> {
                     stored.observation
                 ))
             })?;
-        self.env.clone().restore(&stored.env)
+        contained(" in `restore`", || E::clone(&self.env).restore(&stored.env))
     }
 
     /// Continues from the stored state, after [`check_restore`](Self::check_restore).
     pub(super) fn restore(&mut self, stored: StoredSlot) -> Result<()> {
-        self.env.restore(&stored.env)?;
+        self.guard(|slot| slot.env.restore(&stored.env))?;
         self.clear();
         (self.stage, self.progress) = (stored.stage, stored.progress);
         self.observation = stored.observation;
@@ -336,16 +338,15 @@ impl<E: Env> Slot<E> {
     }
 
     pub(super) fn close(&mut self) {
-        self.env.close();
+        let closed = self.guard(|slot| {
+            slot.env.close();
+            Ok(())
+        });
+        if let Err(error) = closed {
+            log::warn!("a sub-environment, when it was closed: {error}");
+        }
         self.stage = Stage::Closed;
     }
-}
-
-/// The message of a panic.
-fn message(panic: &(dyn Any + Send)) -> &str {
-    let text = panic.downcast_ref::<String>().map(String::as_str);
-    text.or_else(|| panic.downcast_ref::<&str>().copied())
-        .unwrap_or("no message")
 }
 
 /// The spaces of the sub-environments.
@@ -435,6 +436,12 @@ pub(crate) fn make_envs<E: Env>(
     make: impl Fn(usize) -> Result<E>,
 ) -> Result<Vec<E>> {
     spec.check_each()?;
+    let make = |index| {
+        contained(" while it was made", || make(index)).map_err(|error| match error {
+            error @ Error::Contract(_) => error.at_env(index),
+            error => error,
+        })
+    };
     let first = make(0)?;
     let observation = first.observation_space();
     let bytes = slot_bytes::<E>(&observation) + extra;

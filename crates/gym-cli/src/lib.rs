@@ -120,7 +120,15 @@ fn start(package: &str, book: Option<&Book>) -> ExitCode {
         .map(|()| log::set_max_level(log::LevelFilter::Warn))
         .ok();
     // without this handler, Ctrl+C would leave temporary files of unfinished results
-    ctrlc::set_handler(|| gym::render::file::remove_unfinished_and_exit(INTERRUPTED)).ok();
+    ctrlc::set_handler(|| {
+        let _no_new_folder = new::wait();
+        gym::render::file::remove_unfinished_and_exit(INTERRUPTED)
+    })
+    .ok();
+    // with a handler, a file larger than `ulimit -f` is an error of `write`; without one, the system
+    // ends the program
+    #[cfg(unix)]
+    signal_hook::flag::register(signal_hook::consts::SIGXFSZ, std::sync::Arc::default()).ok();
     let arguments = match Arguments::try_parse() {
         Ok(arguments) => arguments,
         Err(error) => return ExitCode::from(output::refuse(&error)),

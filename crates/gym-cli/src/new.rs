@@ -3,6 +3,7 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process;
+use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use gym::{Error, Result};
 
@@ -76,7 +77,7 @@ const ROCKET: [(&str, &str); 2] = [
 pub(crate) fn new(arguments: &Arguments, workspace: &Workspace) -> Result<()> {
     let Arguments { name, path, native } = arguments;
     let lock = workspace.folder().join("Cargo.lock");
-    let lock = fs::read_to_string(&lock).map_err(|error| Error::io(&lock, error))?;
+    let lock = gym::file::read_text(&lock, usize::MAX).map_err(|error| Error::io(&lock, error))?;
     check_name(name, &lock)?;
     let folder = path.clone().unwrap_or_else(|| name.into());
     if folder.file_name().is_none() && folder.symlink_metadata().is_err() {
@@ -91,6 +92,7 @@ pub(crate) fn new(arguments: &Arguments, workspace: &Workspace) -> Result<()> {
     }
     let source = Source::of(workspace)?;
     // write to a temporary folder, and rename the folder when everything is written
+    let _unfinished = wait();
     let unfinished = folder.with_file_name(format!(".{name}-{}.tmp", process::id()));
     let written = match write_all(&unfinished, arguments, &source, &lock) {
         // name the final folder in the error, not the temporary one
@@ -120,6 +122,12 @@ pub(crate) fn new(arguments: &Arguments, workspace: &Workspace) -> Result<()> {
         "  cargo xtask help         lists the commands: list, play, gif, bench, docs, python"
     ))?;
     Ok(())
+}
+
+/// Waits while a temporary folder exists, and prevents another one. Call it in a signal handler.
+pub(crate) fn wait() -> MutexGuard<'static, ()> {
+    static EXISTS: Mutex<()> = Mutex::new(());
+    EXISTS.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
 /// Checks that `name` is a valid name of a package, a crate and a namespace. `lock` is the lock

@@ -69,7 +69,10 @@ impl Policy {
             Self::Good => Self::good(env)?.ok_or_else(|| {
                 Error::argument(
                     "--policy",
-                    format!("{env} has no good policy: play it at random"),
+                    format!(
+                        "{} has no good policy: play it at random",
+                        env.spec().map_or_else(|| env.to_string(), |spec| spec.id)
+                    ),
                 )
             }),
         }

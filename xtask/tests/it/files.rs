@@ -501,3 +501,27 @@ fn an_interrupted_command_leaves_no_partial_file() {
     let page = std::fs::read_to_string(out.join("index.html")).unwrap();
     assert!(page.contains("tasks so far") && page.ends_with("</html>\n"));
 }
+
+/// A file larger than `ulimit -f` is an error that names it, and nothing of it stays.
+#[cfg(unix)]
+#[test]
+fn a_file_beyond_the_limit_of_the_shell_is_told() {
+    let out = folder("limited");
+    let (gif, plugin) = (out.join("a.gif"), out.join("my_envs"));
+    for (arguments, named) in [
+        (["gif", "CartPole-v1", "--out"], &gif),
+        (["new", "my_envs", "--path"], &plugin),
+    ] {
+        let output = std::process::Command::new("sh")
+            .args(["-c", "ulimit -f 1; exec \"$@\"", "sh"])
+            .arg(program().get_program())
+            .args(arguments)
+            .arg(named)
+            .output()
+            .unwrap();
+        let told = String::from_utf8(output.stderr).unwrap();
+        assert_eq!(output.status.code(), Some(1), "{arguments:?}: {told}");
+        assert!(told.contains(named.to_str().unwrap()), "{told}");
+        assert_eq!(std::fs::read_dir(&out).unwrap().count(), 0, "{arguments:?}");
+    }
+}

@@ -126,6 +126,7 @@ struct Timer {
     written: u64,
     /// The value of the first read after the end of the interval. This read switches the timer back
     /// to counting intervals.
+    #[serde(deserialize_with = "Option::deserialize")]
     read_after_end: Option<i64>,
 }
 

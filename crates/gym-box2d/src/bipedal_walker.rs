@@ -136,6 +136,7 @@ struct Episode {
     game_over: bool,
     /// Whether each lower leg touches the ground.
     ground_contact: [bool; 2],
+    #[serde(deserialize_with = "Option::deserialize")]
     prev_shaping: Option<f64>,
     lidar: [f32; LIDAR_RAYS],
     /// The number of frames drawn, modulo [`LIDAR_CYCLE`], because the drawn lidar ray moves with

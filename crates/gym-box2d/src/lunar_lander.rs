@@ -190,13 +190,17 @@ struct Episode {
     smooth_y: [f64; CHUNKS],
     /// The positions of wind and turbulence in the pattern of gusts. `None` if the episode started
     /// without wind, until wind blows.
+    #[serde(deserialize_with = "Option::deserialize")]
     wind_idx: Option<i64>,
+    #[serde(deserialize_with = "Option::deserialize")]
     torque_idx: Option<i64>,
     /// Whether the hull has touched the ground.
     game_over: bool,
     ground_contact: [bool; 2],
+    #[serde(deserialize_with = "Option::deserialize")]
     prev_shaping: Option<f64>,
     /// The particles of the engines' exhaust, which exist only while frames are rendered.
+    #[serde(deserialize_with = "Option::deserialize")]
     exhaust: Option<Exhaust>,
     /// Main and side throttle of the current step.
     #[serde(skip)]

@@ -67,6 +67,7 @@ pub struct State {
     /// Angular velocity, in rad/s.
     pub theta_dot: f64,
     /// The last clipped torque, for drawing.
+    #[serde(deserialize_with = "Option::deserialize")]
     pub last_torque: Option<f32>,
 }
 

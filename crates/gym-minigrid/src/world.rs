@@ -65,6 +65,7 @@ pub struct World {
     /// Positions that end the episode, as the task defines.
     pub places: Vec<Pos>,
     /// The instruction, in a BabyAI level.
+    #[serde(deserialize_with = "Option::deserialize")]
     pub(crate) instr: Option<Instr>,
     /// The object that the agent carries from the first step on, or an empty cell.
     pub(crate) pending: Cell,

@@ -14,15 +14,19 @@ use std::path::Path;
 /// [`ErrorKind::FileTooLarge`].
 pub fn read(path: &Path, max: usize) -> io::Result<Vec<u8>> {
     // check first, because opening a pipe waits for a writer
-    if !fs::metadata(path)?.is_file() {
+    let about = fs::metadata(path)?;
+    if !about.is_file() {
         let reason = "not a regular file: a folder, a pipe or a device cannot be read";
         return Err(io::Error::new(ErrorKind::InvalidInput, reason));
     }
+    let max_len = max as u64;
     let mut bytes = Vec::new();
-    // one byte more, to detect a larger file
-    let limit = (max as u64).saturating_add(1);
-    File::open(path)?.take(limit).read_to_end(&mut bytes)?;
-    if bytes.len() > max {
+    if about.len() <= max_len {
+        // one byte more: the file may have grown
+        let limit = max_len.saturating_add(1);
+        File::open(path)?.take(limit).read_to_end(&mut bytes)?;
+    }
+    if about.len().max(bytes.len() as u64) > max_len {
         let reason = format!("longer than {max} bytes");
         return Err(io::Error::new(ErrorKind::FileTooLarge, reason));
     }

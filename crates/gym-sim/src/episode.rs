@@ -68,6 +68,7 @@ struct OfGenerator {
     #[serde(default)]
     constants: Vec<f64>,
     data: Data,
+    #[serde(deserialize_with = "Option::deserialize")]
     step: Option<BTreeMap<String, Number>>,
 }
 

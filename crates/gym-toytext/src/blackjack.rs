@@ -189,6 +189,7 @@ pub struct State {
     /// The suit of the dealer's open card.
     pub suit: Suit,
     /// The face on the dealer's open card, if its value is 10.
+    #[serde(deserialize_with = "Option::deserialize")]
     pub face: Option<Face>,
 }
 

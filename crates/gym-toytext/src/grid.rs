@@ -8,10 +8,12 @@ use crate::tabular::{Cell, Outcome, Table};
 
 /// The agent's cell, and the last transition.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(bound(deserialize = "A: Deserialize<'de>"))]
 pub struct State<A> {
     /// The cell, counted row by row from the top left.
     pub cell: usize,
     /// The last action; `None` at the start.
+    #[serde(deserialize_with = "Option::deserialize")]
     pub last_action: Option<A>,
     /// The probability of the last transition; 1 at the start.
     pub probability: f64,

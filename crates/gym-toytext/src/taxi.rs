@@ -89,6 +89,7 @@ pub struct State {
     /// Whether the passenger will change the destination at the first move with them aboard.
     pub fickle_step: bool,
     /// The last action; `None` at the start.
+    #[serde(deserialize_with = "Option::deserialize")]
     pub last_action: Option<Action>,
     /// The direction of the last move, in which the taxi points; south at the start.
     pub heading: Action,

@@ -45,6 +45,7 @@ pub struct AtariEnv {
 struct Episode {
     rng: Generator,
     /// The two words of the seed: set by a reset with a seed, cleared by the next step.
+    #[serde(deserialize_with = "Option::deserialize")]
     seeds: Option<[u32; 2]>,
 }
 
@@ -54,6 +55,7 @@ struct Stored {
     md5: String,
     ale: State,
     screen: Pictures,
+    #[serde(deserialize_with = "Option::deserialize")]
     episode: Option<Episode>,
 }
 

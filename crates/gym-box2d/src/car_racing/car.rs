@@ -92,6 +92,7 @@ struct Skidding {
     /// Whether the wheel slipped in the previous step, but has not begun a mark.
     slips: bool,
     /// The number of the mark that the wheel draws.
+    #[serde(deserialize_with = "Option::deserialize")]
     mark: Option<u64>,
 }
 

@@ -218,6 +218,7 @@ struct Episode {
     new_lap: bool,
     /// After the last step of an episode: true if the lap is finished, false if the car left the
     /// field.
+    #[serde(deserialize_with = "Option::deserialize")]
     lap_finished: Option<bool>,
 }
 

@@ -51,6 +51,7 @@ pub struct TrackPoint {
 pub(super) struct Tile {
     pub(super) road: [Point; 4],
     /// The kerb at the outer side of a sharp turn.
+    #[serde(deserialize_with = "Option::deserialize")]
     pub(super) border: Option<[Point; 4]>,
 }
 

@@ -82,11 +82,16 @@ impl Snapshot {
     {
         /// The content that [`Snapshot::with_config`] wrote.
         #[derive(Deserialize)]
-        #[serde(deny_unknown_fields)]
+        #[serde(
+            deny_unknown_fields,
+            bound = "C: DeserializeOwned, E: DeserializeOwned"
+        )]
         struct Stored<C, E> {
             #[serde(rename = "env")]
             _env: String,
             config: C,
+            // null before the first reset; a missing key is an error
+            #[serde(deserialize_with = "Option::deserialize")]
             episode: Option<E>,
         }
 

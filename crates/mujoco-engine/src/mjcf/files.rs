@@ -2,6 +2,7 @@
 
 use std::cell::Cell;
 use std::collections::BTreeMap;
+use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 use std::rc::Rc;
 
@@ -146,24 +147,14 @@ fn read(path: &Path) -> Result<String> {
 
 /// The bytes of a regular file. `left`, how many more may be read, becomes smaller.
 pub(crate) fn bytes(path: &Path, left: &mut u64) -> Result<Vec<u8>, String> {
-    let about = path.metadata().map_err(|error| error.to_string())?;
-    if !about.is_file() {
-        return Err("this is no regular file".to_owned());
-    }
-    let mut bytes = Vec::new();
-    let file = File::open(path).map_err(|error| error.to_string())?;
-    if about.len() <= *left {
-        // the file may have grown
-        let read = file.take(*left + 1).read_to_end(&mut bytes);
-        read.map_err(|error| error.to_string())?;
-    }
-    *left = left
-        .checked_sub(about.len().max(bytes.len() as u64))
-        .ok_or_else(|| {
-            format!(
-                "the files of all assets together have more than {MAX_ASSETS} bytes: simplify them"
-            )
-        })?;
+    let most = usize::try_from(*left).unwrap_or(usize::MAX);
+    let bytes = file::read(path, most).map_err(|error| match error.kind() {
+        ErrorKind::FileTooLarge => format!(
+            "the files of all assets together have more than {MAX_ASSETS} bytes: simplify them"
+        ),
+        _ => error.to_string(),
+    })?;
+    *left -= bytes.len() as u64;
     Ok(bytes)
 }
 

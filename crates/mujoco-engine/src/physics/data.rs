@@ -210,10 +210,12 @@ macro_rules! for_parts {
 #[derive(Serialize, Deserialize)]
 #[serde(rename = "Data")]
 struct Stored {
+    #[serde(deserialize_with = "Option::deserialize")]
     last: Option<Call>,
     contact_forces: bool,
     state: State,
     /// The state from which the last call started, if it differs from the current one.
+    #[serde(deserialize_with = "Option::deserialize")]
     before: Option<State>,
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     userdata: Vec<f64>,

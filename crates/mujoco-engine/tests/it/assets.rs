@@ -242,7 +242,7 @@ fn files_that_are_no_meshes_are_refused() {
     let huge = fs::File::create(folder.0.join("huge.stl")).unwrap();
     huge.set_len(300 << 20).unwrap();
     for (file, message) in [
-        ("folder.obj", "no regular file"),
+        ("folder.obj", "not a regular file"),
         ("empty.obj", "at least 4 vertices"),
         ("short.stl", "with 16843009 triangles"),
         ("odd.obj", "line 1 of the OBJ file"),

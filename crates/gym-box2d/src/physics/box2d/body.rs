@@ -29,6 +29,7 @@ pub(in crate::physics) struct Body {
     /// How long the body has been at rest, in s.
     pub(in crate::physics) sleep_time: f32,
     /// The newest fixture of the body.
+    #[serde(deserialize_with = "Option::deserialize")]
     pub(in crate::physics) fixtures: Option<u32>,
 }
 
@@ -44,6 +45,7 @@ pub(in crate::physics) struct Fixture {
     pub(in crate::physics) sensor: bool,
     pub(in crate::physics) proxy: u32,
     /// The fixture that was added to the same body before this one.
+    #[serde(deserialize_with = "Option::deserialize")]
     pub(in crate::physics) next: Option<u32>,
 }
 

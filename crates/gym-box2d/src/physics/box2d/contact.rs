@@ -27,6 +27,7 @@ pub(crate) struct Contact {
     /// Whether an island of this step already contains the contact.
     pub(crate) island: bool,
     /// The time of impact within this step, once computed.
+    #[serde(deserialize_with = "Option::deserialize")]
     pub(crate) toi: Option<f32>,
     /// The number of times of impact that this contact had in this step.
     pub(crate) toi_count: u32,

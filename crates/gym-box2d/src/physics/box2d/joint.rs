@@ -33,6 +33,7 @@ pub(crate) struct Joint {
     pub(crate) local_anchor_b: Vec2,
     pub(crate) reference_angle: f32,
     /// The lower and the upper limit of the angle.
+    #[serde(deserialize_with = "Option::deserialize")]
     pub(crate) limits: Option<(f32, f32)>,
     pub(crate) motor: bool,
     pub(crate) motor_speed: f32,

@@ -213,7 +213,8 @@ fn what_is_stored_of_another_model_is_refused() {
     assert!(refusal(&stored, &hopper).contains("qpos has 15 elements, the model needs 6"));
     let mut changed = stored.clone();
     changed["before"]["qvel"][4] = json!(1e30);
-    assert!(refusal(&changed, &ant).contains("numbers must lie within"));
+    let diverged: Data = serde_json::from_value(changed.clone()).unwrap();
+    assert!(diverged.check(&ant).is_ok() && !diverged.is_bounded());
     changed["before"]["qvel"] = json!([0.0]);
     assert!(refusal(&changed, &ant).contains("qvel has 1 elements, the model needs 14"));
 }

@@ -309,7 +309,8 @@ impl Task for PendulumDynamics {
     }
 
     fn is_valid(&self, state: &State) -> bool {
-        !self.constants.are_defaults() || reset::plausible(&[state.theta, state.theta_dot])
+        state.last_torque.is_none_or(f32::is_finite)
+            && (!self.constants.are_defaults() || reset::plausible(&[state.theta, state.theta_dot]))
     }
 
     fn metadata(&self) -> Metadata {

@@ -178,7 +178,7 @@ impl Measured {
         std::array::from_fn(|i| self.numbers[i])
     }
 
-    /// Reads the form that [`Stored`] writes; `None` if a number is missing.
+    /// Reads the form that [`Stored`] writes; `None` if a number is missing or not finite.
     pub(crate) fn read(measures: Measures, stored: &BTreeMap<String, Number>) -> Option<Self> {
         let mut measured = Self::new(0.0, false);
         let mut numbers = measured.numbers.iter_mut();
@@ -187,7 +187,7 @@ impl Measured {
                 Number::One(value) => std::slice::from_ref(value),
                 Number::Several(values) => values,
             };
-            if values.len() != *length {
+            if values.len() != *length || values.iter().any(|x| !x.is_finite()) {
                 return None;
             }
             numbers.by_ref().zip(values).for_each(|(to, x)| *to = *x);

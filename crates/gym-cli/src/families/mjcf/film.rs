@@ -10,7 +10,7 @@ use gym::sim::view::{CameraConfig, View};
 use gym::{Error, Result};
 
 #[derive(clap::Args)]
-pub(super) struct Arguments {
+pub(super) struct Picture {
     /// Draws the model to a file: .png is a picture of the last state; .gif, .apng or .mp4 is a film
     /// of the steps, in the time of the model.
     #[arg(long, value_name = "FILE")]
@@ -67,7 +67,7 @@ impl<'a> Film<'a> {
     /// The film that the arguments ask for, if any, from the state `data`; `moves`: whether there
     /// are steps.
     pub(super) fn open(
-        arguments: &'a Arguments,
+        arguments: &'a Picture,
         (model, data): (&Model, &Data),
         moves: bool,
     ) -> Result<Option<Self>> {

@@ -28,7 +28,7 @@ pub(crate) struct Arguments {
     #[arg(long, default_value_t = 0, requires = "steps")]
     seed: u32,
     #[command(flatten)]
-    picture: film::Arguments,
+    picture: film::Picture,
 }
 
 pub(crate) fn mjcf(arguments: &Arguments) -> Result<()> {

@@ -1,5 +1,7 @@
 //! One environment.
 
+mod core;
+
 use std::sync::{Mutex, MutexGuard, PoisonError, TryLockError};
 
 use gym::atari::AtariEnv;
@@ -22,10 +24,10 @@ use crate::action::Check;
 use crate::convert::rendered;
 use crate::error::{OrRaise, guard};
 use crate::fork::{IN_USE, Origin};
-use crate::history::{History, Source};
 use crate::json::{from_json, reset_of};
 use crate::numbers::Numbers;
 use crate::{goals, mujoco, peek, registry};
+use core::Core;
 
 /// An environment without wrappers. Calls of several threads run one after the other.
 ///
@@ -47,56 +49,6 @@ pub(crate) struct Env {
     /// Whether a step takes longer than releasing the GIL.
     is_slow: bool,
     origin: Origin,
-}
-
-#[derive(Clone, Debug)]
-struct Core {
-    env: BoxEnv,
-    observation: Value,
-    frame: Rendered,
-    /// Whether an episode has begun, and no call has panicked since.
-    is_running: bool,
-    /// The episode's calls; `None` if other calls have changed its state.
-    history: Option<History>,
-}
-
-impl Core {
-    fn reset(&mut self, reset: &Reset) -> PyResult<()> {
-        self.is_running = false;
-        let (last, source) = (self.history.take(), Source::of(&mut self.env, reset));
-        guard(|| self.env.reset_into(reset, &mut self.observation).or_raise())?;
-        self.history = source.map(|source| History::new(source, &reset.options, last));
-        self.is_running = true;
-        Ok(())
-    }
-
-    fn step(&mut self, action: &Value) -> PyResult<Outcome> {
-        if !self.is_running {
-            return Err(Error::ResetNeeded("step")).or_raise();
-        }
-        self.is_running = false;
-        // a refused action changes nothing; only after a panic the episode cannot continue
-        let outcome = guard(|| Ok(self.env.step_into(action, &mut self.observation)))?;
-        self.is_running = true;
-        let outcome = outcome.or_raise()?;
-        let history = self.history.as_mut();
-        if history.is_some_and(|history| !history.step(action)) {
-            self.history = None;
-        }
-        Ok(outcome)
-    }
-
-    /// The whole state, as JSON.
-    fn snapshot(&self) -> PyResult<String> {
-        guard(|| {
-            let snapshot: Json = self
-                .env
-                .snapshot()
-                .and_then(|snapshot| snapshot.get())
-                .or_raise()?;
-            Ok(snapshot.to_string())
-        })
-    }
 }
 
 impl Env {

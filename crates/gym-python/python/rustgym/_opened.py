@@ -104,7 +104,8 @@ def package_of(env_id: str) -> Package | None:
         return None
     try:
         entry = spec.entry_point
-        return Package(env_id, load_env_creator(entry) if isinstance(entry, str) else entry, spec.kwargs)
+        package = Package(env_id, load_env_creator(entry) if isinstance(entry, str) else entry, spec.kwargs)
+        return package if package.made else None
     except (ImportError, gymnasium.error.DependencyNotInstalled):
         return None
 

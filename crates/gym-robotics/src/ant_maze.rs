@@ -24,15 +24,15 @@
 //! Source: Gymnasium-Robotics 1.4.2, `envs/maze/ant_maze_v3.py`, `ant_maze_v4.py`, `ant_maze_v5.py`,
 //! `maze.py` and `maze_v4.py`.
 
-use gym_core::registry::{Build, Clip};
+use gym_core::registry::{Build, Clip, Exceptions};
 use gym_core::{Argument, Arguments, Error, Kwargs, Registration, Result};
 use gym_mujoco::ant;
 use gym_sim::view::CameraConfig;
-use gym_sim::{Common, FromArguments, SimEnv, TaskArguments, register};
+use gym_sim::{Common, FromArguments, SimEnv, TaskArguments};
 use serde::de::Error as _;
 use serde::{Deserialize, Deserializer, Serialize};
 
-use crate::maze::{Agent, Maze, MazeArguments, make, mazes};
+use crate::maze::{AT_THE_GOAL, Agent, Maze, MazeArguments, make, mazes};
 
 /// Arguments: those of the maze and those of Ant, without `reset_noise_scale` and
 /// `exclude_current_positions_from_observation`.
@@ -133,12 +133,34 @@ fn text(xml_file: &str) -> Result<String> {
 }
 
 /// The registration that all ids share.
+const NEW: Exceptions = &[
+    AT_THE_GOAL[0],
+    AT_THE_GOAL[1],
+    (
+        "arguments-matter.terminate_when_unhealthy",
+        "a maze ends at its goal alone, as in the package",
+    ),
+];
+
+/// The exceptions of version 3.
+const OLD: Exceptions = &[
+    AT_THE_GOAL[0],
+    (
+        "goals-agree",
+        "a goal that is reached changes before the reward is computed, as in the package",
+    ),
+];
+
 const fn ant(id: &'static str, kwargs: &'static str, steps: u32) -> Registration {
-    register::<AntMaze>(id)
+    Registration::new::<AntMaze>(id)
         .description("Walk through a maze to a goal on four legs.")
         .kwargs(kwargs)
         .max_episode_steps(steps)
         .reset_options(&[("goal_cell", "[1, 1]"), ("reset_cell", "[3, 1]")])
+        .exceptions(match id.as_bytes() {
+            [.., b'3'] => OLD,
+            _ => NEW,
+        })
         .clip(Clip {
             seeds: 0..2,
             every: 2,

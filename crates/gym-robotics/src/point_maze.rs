@@ -24,11 +24,11 @@ use gym_core::keys::{Keys, json};
 use gym_core::registry::{Build, Clip};
 use gym_core::{Array, Registration, Result};
 use gym_sim::view::CameraConfig;
-use gym_sim::{Common, Measured, Observation, SimEnv, SimTask, Simulation, Start, register};
+use gym_sim::{Common, Measured, Observation, SimEnv, SimTask, Simulation, Start};
 use mujoco_engine::lanes::Derived;
 use mujoco_engine::{Data, Model};
 
-use crate::maze::{Agent, Maze, MazeArguments, make, mazes};
+use crate::maze::{AT_THE_GOAL, Agent, Maze, MazeArguments, make, mazes};
 
 const FASTEST: f64 = 5.0; // m/s, along x and along y
 
@@ -104,7 +104,7 @@ impl SimTask for Ball {
 
 /// The registration that all ids share.
 const fn point(id: &'static str, kwargs: &'static str, steps: u32) -> Registration {
-    register::<PointMaze>(id)
+    Registration::new::<PointMaze>(id)
         .description("Push a ball through a maze to a goal.")
         .kwargs(kwargs)
         .max_episode_steps(steps)
@@ -113,6 +113,7 @@ const fn point(id: &'static str, kwargs: &'static str, steps: u32) -> Registrati
             let keys = json!({"Right": [1, 0], "Up": [0, 1], "Left": [-1, 0], "Down": [0, -1]});
             Keys::new(keys).idle(json!([0, 0]))
         })
+        .exceptions(AT_THE_GOAL)
         .clip(Clip {
             seeds: 0..2,
             every: 3,

@@ -8,6 +8,7 @@ pub(crate) use ids::mazes;
 pub use map::{Cell, Map};
 pub(crate) use task::{Agent, make};
 
+use gym_core::registry::Exceptions;
 use gym_core::{Error, Kwargs, Result};
 use serde_json::Value as Json;
 
@@ -30,6 +31,13 @@ gym_core::arguments! {
         pub reset_target: bool = false,
     }
 }
+
+/// What conformance cannot see of a maze.
+pub(crate) const AT_THE_GOAL: Exceptions = &[
+    ("arguments-matter.continuing_task", UNREACHED),
+    ("arguments-matter.reset_target", UNREACHED),
+];
+const UNREACHED: &str = "it matters at the goal, which random actions do not reach";
 
 /// The extent of the noise of goals and starts, as a share of a cell.
 const NOISE: f64 = 0.25;

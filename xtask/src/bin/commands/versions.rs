@@ -34,7 +34,9 @@ pub(crate) fn document(folder: &Path) -> Result<Document> {
         };
         writeln!(text, "| `\"{revision}\"` | {versions} |").map_err(written)?;
     }
-    text += "\n| id | default | any bit | 1e-9 | 1e-3 |\n|---|---|---|---|---|\n";
+    text += "\n| ids | default | any bit | 1e-9 | 1e-3 |\n|---|---|---|---|---|\n";
+    // ids of one module with equal differences share a row
+    let mut rows: Vec<(&str, String, String)> = Vec::new();
     for registration in registry::all() {
         let id = registration.id();
         let arguments = registration.arguments()?;
@@ -44,8 +46,18 @@ pub(crate) fn document(folder: &Path) -> Result<Document> {
         let default = version.default.as_str().unwrap_or_default();
         let [bit, small, large] = first_differences(&registration)?
             .map(|step| step.map_or("-".to_owned(), |step| step.to_string()));
-        let row = writeln!(text, "| `{id}` | {default} | {bit} | {small} | {large} |");
-        row.map_err(written)?;
+        let cells = format!("{default} | {bit} | {small} | {large}");
+        let module = registration.source.module;
+        let same = rows
+            .iter_mut()
+            .find(|row| row.0 == module && row.2 == cells);
+        match same {
+            Some((_, ids, _)) => write!(ids, ", `{id}`").map_err(written)?,
+            None => rows.push((module, format!("`{id}`"), cells)),
+        }
+    }
+    for (_, ids, cells) in rows {
+        writeln!(text, "| {ids} | {cells} |").map_err(written)?;
     }
     book::page(folder, PAGE, MARKS, &text)
 }
@@ -103,6 +115,10 @@ fn first_differences(registration: &Registration) -> Result<[Option<usize>; 3]> 
     Ok(found)
 }
 
+/// The numbers of an observation, those of a dict one after the other.
 fn numbers(observation: &Value) -> Vec<f64> {
-    observation.as_slice::<f64>().unwrap_or_default().to_vec()
+    match observation {
+        Value::Dict(parts) => parts.iter().flat_map(|(_, part)| numbers(part)).collect(),
+        _ => observation.as_slice::<f64>().unwrap_or_default().to_vec(),
+    }
 }

@@ -32,7 +32,6 @@ ABSENT = {
     "BipedalWalker-v3": {"cloud_poly", "fd_edge", "fd_polygon"},
     "CarRacing-v3": {"clock", "contactListener_keepref", "fd_tile", "road", "road_poly", "start_alpha", "surf"},
     "LunarLander-v3": {"moon", "particles"},
-    "Taxi-v4": {"get_surf_loc"},
 }
 # attributes that are no part of an episode
 BESIDE = {"np_random", "np_random_seed", "spec"}

@@ -150,18 +150,7 @@ pub(super) fn combine(parts: &[Inertia], revision: Revision) -> Option<Inertia> 
     });
     let mut total = [0.0; 6];
     for part in parts {
-        let mat = InTurn::quat_to_mat(part.quat);
-        let turned = inertia_at((), part.moments, &mat, [0.0; 3], part.mass);
-        let [x, y, z] = std::array::from_fn(|i| part.pos[i] - pos[i]);
-        let m = part.mass;
-        let shift = [
-            m * (y * y + z * z),
-            m * (x * x + z * z),
-            m * (x * x + y * y),
-            -m * x * y,
-            -m * x * z,
-            -m * y * z,
-        ];
+        let [turned, shift] = about(part, pos);
         for ((sum, turned), shift) in total.iter_mut().zip(turned).zip(shift) {
             *sum = *sum + turned + shift;
         }
@@ -201,7 +190,10 @@ pub(super) fn accumulate(
     let pos = std::array::from_fn(|i| {
         (both[0].mass * both[0].pos[i] + both[1].mass * both[1].pos[i]) / mass
     });
-    let [own, others] = both.map(|part| about(&part, pos));
+    let [own, others] = both.map(|part| {
+        let [turned, shift] = about(&part, pos);
+        std::array::from_fn::<_, 6, _>(|k| turned[k] + shift[k])
+    });
     let total = std::array::from_fn(|k| own[k] + others[k]);
     let (moments, quat) = principal_axes(total, revision);
     Inertia {
@@ -212,8 +204,9 @@ pub(super) fn accumulate(
     }
 }
 
-/// The inertia matrix of a part about a point.
-fn about(part: &Inertia, point: [f64; 3]) -> [f64; 6] {
+/// The inertia matrix of a part about a point, as two terms: about its own centre, and what the
+/// distance adds.
+fn about(part: &Inertia, point: [f64; 3]) -> [[f64; 6]; 2] {
     let mat = InTurn::quat_to_mat(part.quat);
     let turned = inertia_at((), part.moments, &mat, [0.0; 3], part.mass);
     let [x, y, z] = std::array::from_fn(|i| part.pos[i] - point[i]);
@@ -226,7 +219,7 @@ fn about(part: &Inertia, point: [f64; 3]) -> [f64; 6] {
         -m * x * z,
         -m * y * z,
     ];
-    std::array::from_fn(|k| turned[k] + shift[k])
+    [std::array::from_fn(|k| turned[k]), shift]
 }
 
 /// Principal moments of an inertia matrix (xx, yy, zz, xy, xz, yz), falling, and the orientation of

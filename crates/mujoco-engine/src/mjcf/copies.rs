@@ -13,6 +13,8 @@ const MOST_BYTES: usize = 8 << 20;
 
 /// An element that refers to others by their names.
 trait Refers: Clone {
+    /// The kind by which others refer to it; `None` if none do.
+    const KIND: Option<ObjectType> = None;
     /// Whether a name stays as it is if another one has a copy.
     const ONE_IS_ENOUGH: bool = true;
 
@@ -26,12 +28,17 @@ trait Refers: Clone {
 /// Copies the elements of `spec` that refer to copied parts of the bodies in `worlds`.
 pub(crate) fn copy_references(spec: &mut Spec, worlds: Vec<Element<'_, '_>>) -> Result<()> {
     let mut names = Names::default();
-    for tendon in &spec.tendons {
-        names.add(ObjectType::Tendon, tendon.name.as_ref());
-    }
-    for actuator in &spec.actuators {
-        names.add(ObjectType::Actuator, actuator.name.as_ref());
-    }
+    let tendons = spec.tendons.iter().filter_map(|tendon| tendon.name.clone());
+    names
+        .known
+        .extend(tendons.map(|name| (ObjectType::Tendon, name)));
+    let actuators = spec
+        .actuators
+        .iter()
+        .filter_map(|actuator| actuator.name.clone());
+    names
+        .known
+        .extend(actuators.map(|name| (ObjectType::Actuator, name)));
     names.known.insert((ObjectType::Body, "world".to_owned()));
     let mut open: Vec<Open<'_, '_>> = Vec::new();
     for world in worlds {
@@ -103,11 +110,10 @@ struct Names {
 }
 
 impl Names {
+    /// Adds the name of a part of a body.
     fn add(&mut self, kind: ObjectType, name: Option<&String>) {
         let Some(name) = name else { return };
-        if !matches!(kind, ObjectType::Tendon | ObjectType::Actuator) {
-            self.of_bodies.push((kind, name.clone()));
-        }
+        self.of_bodies.push((kind, name.clone()));
         self.known.insert((kind, name.clone()));
     }
 
@@ -132,36 +138,20 @@ impl Names {
                 let reason = format!("more than {MOST} parts of tendons are not supported");
                 return Err(last.place.error(reason));
             }
-            for tendon in &spec.tendons {
-                self.add(ObjectType::Tendon, tendon.name.as_ref());
-            }
             self.copy_list(&mut spec.equalities, &suffix)?;
             self.copy_list(&mut spec.actuators, &suffix)?;
-            for actuator in &spec.actuators {
-                self.add(ObjectType::Actuator, actuator.name.as_ref());
-            }
             self.copy_list(&mut spec.sensors, &suffix)?;
         }
         for name in &original {
             self.known.remove(name);
         }
         let mut gone: HashSet<(ObjectType, String)> = original.into_iter().collect();
-        remove(&mut spec.pairs, &self.known, &mut gone, None);
-        remove(&mut spec.excludes, &self.known, &mut gone, None);
-        remove(
-            &mut spec.tendons,
-            &self.known,
-            &mut gone,
-            Some(ObjectType::Tendon),
-        );
-        remove(&mut spec.equalities, &self.known, &mut gone, None);
-        remove(
-            &mut spec.actuators,
-            &self.known,
-            &mut gone,
-            Some(ObjectType::Actuator),
-        );
-        remove(&mut spec.sensors, &self.known, &mut gone, None);
+        remove(&mut spec.pairs, &self.known, &mut gone);
+        remove(&mut spec.excludes, &self.known, &mut gone);
+        remove(&mut spec.tendons, &self.known, &mut gone);
+        remove(&mut spec.equalities, &self.known, &mut gone);
+        remove(&mut spec.actuators, &self.known, &mut gone);
+        remove(&mut spec.sensors, &self.known, &mut gone);
         for name in &gone {
             self.known.remove(name);
         }
@@ -201,6 +191,9 @@ impl Names {
             }
             if let Some(name) = copy.name() {
                 name.push_str(suffix);
+                if let Some(kind) = T::KIND {
+                    self.known.insert((kind, name.clone()));
+                }
             }
             list.push(copy);
         }
@@ -208,13 +201,12 @@ impl Names {
     }
 }
 
-/// Removes the elements that refer to what is gone; their own names of a `kind` are gone too. An
+/// Removes the elements that refer to what is gone; the names by which others refer to them are gone too. An
 /// element that also refers to what does not exist yet stays, and is an error, as in MuJoCo.
 fn remove<T: Refers>(
     list: &mut Vec<T>,
     known: &HashSet<(ObjectType, String)>,
     gone: &mut HashSet<(ObjectType, String)>,
-    kind: Option<ObjectType>,
 ) {
     list.retain_mut(|element| {
         let (mut lost, mut unknown) = (false, false);
@@ -226,7 +218,7 @@ fn remove<T: Refers>(
             }
         });
         let stays = !lost || unknown;
-        if let (false, Some(kind), Some(name)) = (stays, kind, element.name()) {
+        if let (false, Some(kind), Some(name)) = (stays, T::KIND, element.name()) {
             gone.insert((kind, name.clone()));
         }
         stays
@@ -264,6 +256,8 @@ impl Refers for Exclude {
 }
 
 impl Refers for Tendon {
+    const KIND: Option<ObjectType> = Some(ObjectType::Tendon);
+
     fn place(&self) -> &Place {
         &self.place
     }
@@ -313,6 +307,7 @@ impl Refers for Equality {
 }
 
 impl Refers for Actuator {
+    const KIND: Option<ObjectType> = Some(ObjectType::Actuator);
     const ONE_IS_ENOUGH: bool = false;
 
     fn place(&self) -> &Place {

@@ -77,13 +77,12 @@ pub(super) fn draw(
             -(camera.ahead[2] + camera.right[2] * right + camera.up[2] * up) / down
         });
     }
-    let (opaque, mut clear): (Vec<&Solid<'_>>, Vec<_>) =
+    let (mut opaque, mut clear): (Vec<&Solid<'_>>, Vec<_>) =
         solids.iter().partition(|solid| solid.look.color[3] >= 1.0);
     // the nearest first: what it hides is not painted
     let order = |solids: &mut Vec<&Solid<'_>>| {
         solids.sort_by(|a, b| camera.depth(a.pos).total_cmp(&camera.depth(b.pos)));
     };
-    let mut opaque = opaque;
     order(&mut opaque);
     order(&mut clear);
     for solid in opaque.into_iter().chain(clear.into_iter().rev()) {

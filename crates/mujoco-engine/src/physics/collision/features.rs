@@ -1,7 +1,7 @@
 //! Faces and edges of boxes, meshes and cylinders, and the edge of a capsule, near a contact.
 
 use super::Shape;
-use super::convex::Solid;
+use super::convex::{Solid, Touch};
 use super::mesh::Mesh;
 use crate::Revision;
 use crate::math::spatial::{
@@ -61,6 +61,24 @@ impl Features {
             polygons: std::array::from_fn(|_| Vec::with_capacity(CUTS + 4 * corners)),
         }
     }
+
+    /// Lists the faces of two shapes at a contact. Returns for each shape its corners there, and the
+    /// direction from the other's point of the contact to its own.
+    pub(super) fn list_faces(
+        &mut self,
+        solids: [Solid<'_>; 2],
+        touch: &Touch,
+        revision: Revision,
+    ) -> ([Dimension; 2], [Vec3; 2]) {
+        let [w1, w2] = touch.points;
+        let outward = [sub(w1, w2), sub(w2, w1)];
+        let spans = touch.corners.map(Dimension::of);
+        for k in [0, 1] {
+            let list = &mut self.faces[k];
+            faces(solids[k], &spans[k], outward[k], revision, list);
+        }
+        (spans, outward)
+    }
 }
 
 /// A face: of a cylinder 0 is the upper end and 1 the lower; of a box, 2k and 2k + 1 are the faces
@@ -114,7 +132,7 @@ impl Dimension {
 
 /// Lists the faces with all corners of `span`. If no face of a box has all corners, lists the face
 /// whose normal is nearest to `outward`; before 4.0 also if an edge of a box has only one face.
-pub(super) fn faces(
+fn faces(
     solid: Solid<'_>,
     span: &Dimension,
     outward: Vec3,

@@ -5,7 +5,7 @@
 use super::Push;
 use super::convex::{Solid, Touch, one};
 use super::epa::Polytope;
-use super::features::{Dimension, Edge, Face, Features, edges, faces, outline};
+use super::features::{Edge, Face, Features, edges, outline};
 use crate::Revision;
 use crate::math::spatial::{
     MINVAL, Vec3, add, add_scaled, cross, dot, norm, normalize, scale, sub,
@@ -132,17 +132,12 @@ fn find_incidence(
     (grown, revision): (f64, Revision),
     features: &mut Features,
 ) -> Option<Incidence> {
-    let [w1, w2] = touch.points;
-    let outward = [sub(w1, w2), sub(w2, w1)];
-    let spans = touch.corners.map(Dimension::of);
+    let (spans, outward) = features.list_faces(solids, touch, revision);
     let Features {
         faces: found,
         edges: list,
         ..
     } = features;
-    for k in [0, 1] {
-        faces(solids[k], &spans[k], outward[k], revision, &mut found[k]);
-    }
     if let Some([first, second]) = parallel(found, outward) {
         return Some(Incidence {
             shape: 0,

@@ -4,7 +4,7 @@
 
 use super::convex::{Solid, Touch, one};
 use super::epa::Polytope;
-use super::features::{Dimension, Edge, Face, Features, edges, faces};
+use super::features::{Edge, Face, Features, edges};
 use super::manifold::{Incidence, Incident, MOST, PARALLEL, SLOPE, furthest_apart, keep, largest};
 use super::{Push, Vec3};
 use crate::Revision;
@@ -82,17 +82,12 @@ fn find_incidence(
     {
         return None;
     }
-    let [w1, w2] = touch.points;
-    let outward = [sub(w1, w2), sub(w2, w1)];
-    let spans = touch.corners.map(Dimension::of);
+    let (spans, _) = features.list_faces(solids, touch, revision);
     let Features {
         faces: found,
         edges: list,
         ..
     } = features;
-    for k in [0, 1] {
-        faces(solids[k], &spans[k], outward[k], revision, &mut found[k]);
-    }
     for &first in &found[0] {
         let parallel = |second: &&Face| dot(first.normal, second.normal) < -PARALLEL;
         if let Some(second) = found[1].iter().find(parallel) {

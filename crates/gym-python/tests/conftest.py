@@ -68,7 +68,8 @@ def assert_same(ours: Any, theirs: Any, where: str = "") -> None:
         assert_same(tuple(ours), tuple(theirs), where)
     elif isinstance(theirs, np.ndarray):
         assert isinstance(ours, np.ndarray) and ours.dtype == theirs.dtype, where
-        assert ours.shape == theirs.shape and np.array_equal(ours, theirs), f"{where}: {ours} is not {theirs}"
+        is_same = np.array_equal(ours, theirs, equal_nan=theirs.dtype.kind == "f")
+        assert ours.shape == theirs.shape and is_same, f"{where}: {ours} is not {theirs}"
     else:
         assert ours == theirs, f"{where}: {ours} is not {theirs}"
 

@@ -299,3 +299,38 @@ def test_a_game_gives_ale_pys_vector() -> None:
     assert envs.single_observation_space.shape == (4, 84, 84)
     assert rustgym.spec("ALE/Pong-v5").kwargs == gymnasium.spec("ALE/Pong-v5").kwargs
     assert rustgym.registry["Pong-v4"].kwargs["frameskip"] == (2, 5)
+
+
+@pytest.mark.parametrize("mode", ["NextStep", "SameStep", "Disabled"])
+@pytest.mark.parametrize("limit", [None, 4])
+def test_time_steps_of_vectors(suite: Any, mode: str, limit: int | None) -> None:
+    env_id = "dm_control/point_mass-easy-v0"
+    given = {"time_limit": 0.12}  # six steps
+
+    def theirs() -> Any:
+        env = gymnasium.make(env_id, task_kwargs=given, disable_env_checker=True)
+        return env if limit is None else gymnasium.wrappers.TimeLimit(env, limit)
+
+    def use(envs: Any) -> Any:
+        results = [envs.reset(seed=[5, 6])[1]]
+        for k in range(14):
+            *_, ended, cut, infos = envs.step(np.full((2, 2), 0.1))
+            results += [(ended, cut, infos)]
+            if mode == "Disabled" and (ended | cut).any():
+                results += [envs.reset(options={"reset_mask": ended | cut})[1]]
+            if k == 2:
+                results += [envs.reset(seed=9, options={"reset_mask": np.array([True, False])})[1]]
+        return results
+
+    expected = use(gymnasium.vector.SyncVectorEnv([theirs] * 2, autoreset_mode=gymnasium.vector.AutoresetMode(mode)))
+    for kind in ("sync", "native", "async"):
+        envs = rustgym.VectorEnv(env_id, 2, kind=kind, autoreset_mode=mode, max_episode_steps=limit, mujoco="3.12", **given)
+        results = use(envs)
+        assert_same(results, expected, kind)
+        assert type(results[1][2]["timestep.step_type"][0]) is type(expected[1][2]["timestep.step_type"][0])
+    # the steps of some environments
+    envs = rustgym.VectorEnv(env_id, 2, kind="async", autoreset_mode=mode, mujoco="3.12")
+    envs.reset(seed=5)
+    envs.send(np.full((1, 2), 0.1), [1])
+    infos = envs.recv(1)[4]
+    assert infos["_timestep.step_type"].tolist() == [False, True] and infos["timestep.discount"][1] == 1.0

@@ -19,6 +19,7 @@ from rustgym._preprocessing import preprocessed
 from rustgym._seeds import Seeds
 from rustgym._spaces import space_from
 from rustgym._specs import class_of, metadata_from, native_arguments, native_options, spec_of
+from rustgym._time_steps import TimeSteps
 from rustgym.env import Env, checked_seed
 
 __all__ = ["VectorEnv"]
@@ -96,6 +97,10 @@ class VectorEnv(gymnasium.vector.VectorEnv[Any, Any, Any]):
     """
 
     metadata: dict[str, Any] = {"autoreset_mode": AutoresetMode.NEXT_STEP}
+    observation_space: gymnasium.Space[Any]
+    action_space: gymnasium.Space[Any]
+    single_observation_space: gymnasium.Space[Any]
+    single_action_space: gymnasium.Space[Any]
 
     # the environments, from the first read of `envs`, `get_attr` or a similar method
     _envs: tuple[Env, ...] | None = None
@@ -181,6 +186,7 @@ class VectorEnv(gymnasium.vector.VectorEnv[Any, Any, Any]):
         )
         self.kind = self._native.kind
         self._take_spaces()
+        self._time_steps = TimeSteps.of(self, max_episode_steps)
         self._seeds = None if seeds is None else Seeds(seeds, self.autoreset_mode)
         self._watch()
 
@@ -225,6 +231,8 @@ class VectorEnv(gymnasium.vector.VectorEnv[Any, Any, Any]):
         if self._envs is not None:
             self._push_envs()
         result = self._native.reset(one, each, known, mask)
+        if self._time_steps is not None:
+            self._time_steps.reset(self, result[1], mask)
         if self._envs is not None:
             self._follow_envs(is_reset=True)
         return result
@@ -256,6 +264,8 @@ class VectorEnv(gymnasium.vector.VectorEnv[Any, Any, Any]):
             self._push_envs()
         native, seeds = self._native, self._seeds
         result = native.step(actions) if seeds is None else seeds.step(native, actions, self.num_envs)
+        if self._time_steps is not None:
+            self._time_steps.step(self, *result[2:])
         if self._envs is not None:
             self._follow_envs(is_reset=False)
         return result
@@ -265,7 +275,8 @@ class VectorEnv(gymnasium.vector.VectorEnv[Any, Any, Any]):
         own = self.__dict__
         if "step" in own and not isinstance(getattr(own["step"], "__self__", None), _native.Vector):
             return  # a user has set `step`
-        if self._envs is not None or self._seeds is not None or type(self).step is not VectorEnv.step:
+        has_more = self._seeds is not None or self._time_steps is not None
+        if self._envs is not None or has_more or type(self).step is not VectorEnv.step:
             own.pop("step", None)
         else:
             own["step"] = self._native.step
@@ -296,6 +307,8 @@ class VectorEnv(gymnasium.vector.VectorEnv[Any, Any, Any]):
         columns: dict[str, Any] = {}
         for index, info in zip(ids, infos, strict=True):
             columns = self._add_info(columns, info, index)
+        if self._time_steps is not None:
+            self._time_steps.step(self, *results[2:], columns, ids)
         columns["env_id"] = np.array(ids)
         return (*results, columns)
 

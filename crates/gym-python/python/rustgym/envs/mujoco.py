@@ -126,7 +126,9 @@ class MujocoEnv(ClassEnv):
             return
         super().__init__(*args, **kwargs)
         self.metadata = dict(self.metadata)
-        own = {name for cls in type(self).__mro__[: type(self).__mro__.index(MujocoEnv)] for name in vars(cls)}
+        mro = type(self).__mro__
+        users = [cls for cls in mro[: mro.index(MujocoEnv)] if cls.__module__ != "rustgym.envs"]
+        own = {name for cls in users for name in vars(cls)}
         self._overrides = any(map(self._is_called, own))
         if (installed := _installed()) is not None and not self._is_of_version(installed):
             versions = self._made_of["versions"]

@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import multiprocessing
 import os
+import re
 import signal
 import sys
 import threading
 import time
 from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
 
 import gymnasium
 import numpy as np
@@ -37,6 +39,23 @@ def test_one_environment_and_many_threads(env_id: str) -> None:
     env.reset(seed=5)
     twin = rustgym.Env(env_id, **arguments)
     assert np.array_equal(twin.reset(seed=5)[0], env.reset(seed=5)[0])
+
+
+@pytest.mark.skipif(not hasattr(os, "sched_setaffinity"), reason="threads are not bound to cores here")
+def test_a_pool_has_the_cores_of_who_made_it() -> None:
+    folder = Path("/proc/self/task")
+    cores, before = os.sched_getaffinity(0), set(folder.iterdir())
+    one = max(cores)
+    os.sched_setaffinity(0, {one})
+    try:
+        envs = rustgym.make_vec("CartPole-v1", num_envs=8, kind="async")
+        envs.reset(seed=0)
+        envs.step([0] * 8)
+    finally:
+        os.sched_setaffinity(0, cores)
+    found = [re.findall(r"Cpus_allowed_list:\s*(\S+)", (task / "status").read_text()) for task in set(folder.iterdir()) - before]
+    assert found == [[str(one)]]
+    envs.close()
 
 
 def test_a_vector_lets_other_threads_run() -> None:

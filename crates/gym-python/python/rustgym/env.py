@@ -405,6 +405,10 @@ class Env(gymnasium.Env[Any, Any], metaclass=_Kind):
         mode = f", render_mode={self.render_mode!r}" if self.render_mode else ""
         return f"rustgym.Env({self.env_id!r}{mode}{given})"
 
+    def __str__(self) -> str:
+        # Gymnasium's text for an environment without a spec names the class alone
+        return super().__str__() if self._native is None or self.spec is not None else repr(self)
+
     # -- copies
 
     def __copy__(self) -> Env:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, MutableMapping, Sequence
 from importlib import import_module
 from importlib.util import find_spec
-from typing import Any, TypeVar
+from typing import Any
 
 import gymnasium
 from gymnasium import VectorizeMode, logger
@@ -17,8 +17,6 @@ from rustgym._specs import REPLACED, SPECS, entry_point, native, registered, the
 __all__ = ["ids", "make", "make_vec", "namespaced", "pprint_registry", "register", "registry", "spec"]
 
 NAMESPACE = "rustgym/"
-
-_Function = TypeVar("_Function", bound=Callable[..., Any])
 
 # wrappers of Gymnasium's environments, which are of no use in Python: `import shimmy` registers its own
 _NOT_OURS = ("GymV21Environment", "GymV26Environment")
@@ -111,7 +109,6 @@ class Registry(MutableMapping[str, EnvSpec]):
             )
         return spec
 
-
     def is_ours_alone(self, namespace: str) -> bool:
         """Whether this package has environments of a namespace of which Gymnasium knows nothing."""
         ours, theirs = ({spec.namespace for spec in specs.values()} for specs in (self._ours, gymnasium_registry))
@@ -168,28 +165,39 @@ def _ours(env_id: Any) -> Any:
     return found or env_id
 
 
-def _like(function: Callable[..., Any]) -> Callable[[_Function], _Function]:
-    """Appends Gymnasium's own description of a function."""
-
-    def add(ours: _Function) -> _Function:
-        ours.__doc__ = f"{ours.__doc__}\n\n    As ``gymnasium.{function.__name__}``:\n\n{function.__doc__}"
-        return ours
-
-    return add
-
-
-@_like(gymnasium.make)
 def make(
     id: str | EnvSpec,
     max_episode_steps: int | None = None,
     disable_env_checker: bool | None = None,
     **kwargs: Any,
 ) -> gymnasium.Env[Any, Any]:
-    """Makes an environment in Gymnasium's wrappers: this package's if it has the id, else Gymnasium's."""
+    """Makes an environment in Gymnasium's wrappers: this package's if it has the id, else Gymnasium's.
+
+        >>> import rustgym
+        >>> env = rustgym.make("FrozenLake-v1", max_episode_steps=20, map_name="8x8")
+        >>> env
+        <TimeLimit<OrderEnforcing<PassiveEnvChecker<FrozenLakeEnv<FrozenLake-v1>>>>>
+        >>> observation, info = env.reset(seed=42)
+
+    Args:
+        id: Such as ``"CartPole-v1"``; ``rustgym.ids()`` lists this package's. ``"module:Name-v0"`` imports ``module`` first, which
+            registers the id. Without ``-v1`` it is the newest version. Or a spec, such as ``env.spec`` of another environment.
+        max_episode_steps: The steps after which an episode is truncated, instead of the number registered; -1 for never.
+        disable_env_checker: With ``True`` there is no ``PassiveEnvChecker``, which checks the first reset, step and picture.
+        kwargs: The environment's arguments, which ``help(type(env.unwrapped))`` describes, and ``render_mode``: one of
+            ``env.metadata["render_modes"]``, or one with ``_list``, which collects the pictures of an episode.
+
+    Returns:
+        The environment in Gymnasium's wrappers. ``env.unwrapped`` is the one within, a ``rustgym.Env`` if it is this package's.
+
+    Raises:
+        gymnasium.error.Error: for an id that is not registered; the message suggests similar ones.
+        TypeError: for an argument that the environment does not have.
+        ValueError: for an argument with a bad value.
+    """
     return gymnasium.make(_ours(id), max_episode_steps, disable_env_checker, **kwargs)
 
 
-@_like(gymnasium.make_vec)
 def make_vec(
     id: str | EnvSpec,
     num_envs: int = 1,
@@ -200,7 +208,26 @@ def make_vec(
 ) -> gymnasium.vector.VectorEnv[Any, Any, Any]:
     """Makes a vector of environments: this package's if it has the id, else Gymnasium's.
 
-    With ``vectorization_mode="vector_entry_point"``, a game of Atari gives ale-py's own vector, if that package is installed.
+        >>> import rustgym
+        >>> envs = rustgym.make_vec("CartPole-v1", num_envs=64)
+        >>> observations, infos = envs.reset(seed=42)
+        >>> observations.shape
+        (64, 4)
+
+    Args:
+        id: As of ``make``.
+        num_envs: How many environments there are.
+        vectorization_mode: ``"vector_entry_point"`` for this package's vector, which is also the default; ``"sync"`` and
+            ``"async"`` for Gymnasium's vectors around single environments. A game of Atari gives ale-py's own vector if
+            ``"vector_entry_point"`` is asked for and that package is installed.
+        vector_kwargs: Arguments of Gymnasium's vectors.
+        wrappers: Of each environment in Gymnasium's vectors.
+        kwargs: The environment's arguments, and those of ``rustgym.VectorEnv``, such as ``kind`` and ``autoreset_mode``.
+
+    Raises:
+        gymnasium.error.Error: for an id that is not registered; the message suggests similar ones.
+        TypeError: for an argument that neither the vector nor the environment has.
+        ValueError: for an argument with a bad value.
     """
     spec = _ours(id)
     is_of_ale = isinstance(spec, EnvSpec) and spec.id in SPECS and spec.id.startswith("ALE/")
@@ -209,14 +236,26 @@ def make_vec(
     return gymnasium.make_vec(spec, num_envs, vectorization_mode, vector_kwargs, wrappers, **kwargs)
 
 
-@_like(gymnasium.spec)
 def spec(env_id: str) -> EnvSpec:
-    """The spec of an id: this package's if it has the id, else Gymnasium's."""
+    """The spec of an id: this package's if it has the id, else Gymnasium's.
+
+        >>> import rustgym
+        >>> rustgym.spec("CartPole-v1").max_episode_steps
+        500
+
+    Raises:
+        gymnasium.error.Error: for an id that is not registered; the message suggests similar ones.
+    """
     found = _ours(env_id)
     return found if isinstance(found, EnvSpec) else gymnasium.spec(found)
 
 
-@_like(gymnasium.pprint_registry)
-def pprint_registry(print_registry: Any = registry, **kwargs: Any) -> str | None:
-    """Prints the ids, including this package's."""
-    return gymnasium.pprint_registry(print_registry, **kwargs)
+def pprint_registry(print_registry: Any = None, **kwargs: Any) -> str | None:
+    """Prints the ids, including this package's.
+
+    Args:
+        print_registry: The registry whose ids are printed; ``rustgym.registry`` unless given.
+        kwargs: As of Gymnasium's function: ``num_cols``, ``exclude_namespaces``, and ``disable_print``, with which the text is
+            returned.
+    """
+    return gymnasium.pprint_registry(registry if print_registry is None else print_registry, **kwargs)

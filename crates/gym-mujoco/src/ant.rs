@@ -23,8 +23,8 @@ use gym_core::{Array, Error, Registration, Result};
 use serde::{Deserialize, Serialize};
 
 use crate::cost::ControlCost;
-use crate::draws::{normal_noise, uniform_noise};
 use crate::motion::visit_motion;
+use crate::noise::{normal_noise, uniform_noise};
 use crate::range::Range;
 use crate::{Ant, clip};
 use gym_sim::numpy::sum_of_squares;

@@ -20,7 +20,7 @@
 //! and 3.
 
 use crate::cost::ControlCost;
-use crate::draws::{normal_noise, uniform_noise};
+use crate::noise::{normal_noise, uniform_noise};
 use crate::{HalfCheetah, clip};
 use gym_core::{Array, Registration, Result};
 use gym_sim::view::CameraConfig;

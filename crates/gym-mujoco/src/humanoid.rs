@@ -18,8 +18,8 @@
 //!
 //! Source: Gymnasium 1.4.0, `envs/mujoco/humanoid_v5.py` and `_v4.py`; 0.29.1 for versions 2 and 3.
 
-use crate::draws::{uniform_noise, uniform_velocities};
 use crate::motion::visit_motion;
+use crate::noise::{uniform_noise, uniform_velocities};
 use crate::range::Range;
 use crate::{Humanoid, clip};
 use gym_core::{Array, Registration, Result};

@@ -17,8 +17,8 @@
 //!
 //! Source: Gymnasium 1.4.0, `envs/mujoco/humanoidstandup_v5.py` and `_v4.py`; 0.29.1 for version 2.
 
-use crate::draws::{uniform_noise, uniform_velocities};
 use crate::humanoid::{Observed, READS};
+use crate::noise::{uniform_noise, uniform_velocities};
 use crate::range::Range;
 use crate::{HumanoidStandup, clip};
 use gym_core::{Array, Registration, Result};

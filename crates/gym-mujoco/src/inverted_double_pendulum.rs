@@ -19,7 +19,7 @@
 //! Source: Gymnasium 1.4.0, `envs/mujoco/inverted_double_pendulum_v5.py` and `_v4.py`; 0.29.1 for
 //! version 2.
 
-use crate::draws::{normal_noise, uniform_noise};
+use crate::noise::{normal_noise, uniform_noise};
 use crate::{InvertedDoublePendulum, clip};
 use gym_core::math;
 use gym_core::{Array, Registration, Result};

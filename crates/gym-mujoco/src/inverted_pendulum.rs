@@ -19,7 +19,7 @@
 //! Source: Gymnasium 1.4.0, `envs/mujoco/inverted_pendulum_v5.py` and `_v4.py`; 0.29.1 for version
 //! 2.
 
-use crate::draws::{uniform_noise, uniform_velocities};
+use crate::noise::{uniform_noise, uniform_velocities};
 use crate::{InvertedPendulum, clip};
 use gym_core::{Array, Registration, Result};
 use gym_sim::view::CameraConfig;

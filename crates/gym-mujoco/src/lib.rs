@@ -24,9 +24,9 @@
 #![warn(clippy::disallowed_methods)]
 
 mod cost;
-mod draws;
 mod models;
 mod motion;
+mod noise;
 mod range;
 pub mod recording;
 mod runner;

@@ -19,7 +19,7 @@
 //! Source: Gymnasium 1.4.0, `envs/mujoco/pusher_v5.py` and `_v4.py`; 0.29.1 for version 2.
 
 use crate::cost::ControlCost;
-use crate::draws::uniform_velocities;
+use crate::noise::uniform_velocities;
 use crate::{Pusher, clip};
 use gym_core::{Array, Registration, Result};
 use gym_sim::numpy::norm;

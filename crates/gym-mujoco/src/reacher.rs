@@ -18,7 +18,7 @@
 //! Source: Gymnasium 1.4.0, `envs/mujoco/reacher_v5.py` and `_v4.py`; 0.29.1 for version 2.
 
 use crate::cost::ControlCost;
-use crate::draws::{uniform_noise, uniform_velocities};
+use crate::noise::{uniform_noise, uniform_velocities};
 use crate::{Reacher, clip};
 use gym_core::math;
 use gym_core::{Array, Registration, Result};

@@ -3,7 +3,7 @@
 use std::marker::PhantomData;
 
 use crate::cost::ControlCost;
-use crate::draws::{uniform_noise, uniform_velocities};
+use crate::noise::{uniform_noise, uniform_velocities};
 use crate::range::Range;
 use gym_core::{Array, Result};
 use gym_sim::{

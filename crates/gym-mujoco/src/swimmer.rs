@@ -19,8 +19,8 @@
 //! Source: Gymnasium 1.4.0, `envs/mujoco/swimmer_v5.py` and `_v4.py`; 0.29.1 for versions 2 and 3.
 
 use crate::cost::ControlCost;
-use crate::draws::{uniform_noise, uniform_velocities};
 use crate::motion::visit_motion;
+use crate::noise::{uniform_noise, uniform_velocities};
 use crate::{Swimmer, clip};
 use gym_core::{Array, Registration, Result};
 use gym_sim::view::CameraConfig;

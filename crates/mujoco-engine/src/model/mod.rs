@@ -6,7 +6,6 @@
 
 mod actuators;
 pub(crate) mod bounds;
-mod changes;
 mod checked;
 mod constraints;
 mod frames;

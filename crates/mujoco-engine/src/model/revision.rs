@@ -1,5 +1,7 @@
 //! Revisions of MuJoCo's engine: groups of versions with equal results.
 
+mod changes;
+
 use std::fmt;
 use std::str::FromStr;
 
@@ -8,7 +10,7 @@ use serde::{Deserialize, Serialize};
 /// The version of libmujoco whose results the engine repeats.
 ///
 /// Versions with equal results share a revision, and each version's name selects it. A later
-/// revision is greater; `changes.rs` lists what changed.
+/// revision is greater; `revision/changes.rs` lists what changed.
 #[derive(
     Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize,
 )]

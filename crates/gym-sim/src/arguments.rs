@@ -3,10 +3,10 @@
 use gym_core::{Arguments, Error, Result};
 use serde_json::{Map, Value as Json};
 
-use super::version::Version;
-use crate::view::CameraConfig;
-use mujoco_engine::Revision;
+use crate::version::Version;
+use crate::view::{CameraConfig, View};
 use mujoco_engine::math::MAXVAL;
+use mujoco_engine::{Model, Revision};
 
 /// The largest `reset_noise_scale`. Normal noise of this scale stays within MuJoCo's limit of 1e10.
 const LARGEST_NOISE: f64 = 1e9;
@@ -109,6 +109,42 @@ impl Common {
             default_camera_config: camera,
             ..Self::default()
         }
+    }
+
+    /// The view of a model that the arguments describe.
+    ///
+    /// # Errors
+    /// [`Error::InvalidArgument`] for a camera that the model does not have.
+    pub fn view(&self, model: &Model) -> Result<View> {
+        let own = match (&self.camera_name, self.camera_id) {
+            (Some(name), _) => Some(model.camera_id(name).ok_or_else(|| {
+                let names = model.names.camera.iter().flatten();
+                let names: Vec<&str> = names.map(|name| &**name).collect();
+                Error::argument(
+                    "camera_name",
+                    format!(
+                        "there is no camera {name:?}: the cameras are {}",
+                        names.join(", ")
+                    ),
+                )
+            })?),
+            (None, None | Some(-1)) => None,
+            (None, Some(id)) => {
+                let number = model.cam_mode.len();
+                let valid = usize::try_from(id).ok().filter(|id| *id < number);
+                Some(valid.ok_or_else(|| {
+                    Error::argument(
+                        "camera_id",
+                        format!("{id}: the model has {number} cameras; -1 is the free one"),
+                    )
+                })?)
+            }
+        };
+        let view = match own {
+            Some(id) => View::of_camera(model, id),
+            None => View::new(model, &self.default_camera_config)?,
+        };
+        Ok(view.with_max_geom(self.max_geom))
     }
 
     pub(crate) fn check(&self) -> Result<()> {

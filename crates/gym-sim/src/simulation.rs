@@ -106,7 +106,7 @@ impl Simulation {
     ) -> Result<Self> {
         arguments.check()?;
         let model = load()?;
-        let view = View::of_task(&model, arguments)?;
+        let view = arguments.view(&model)?;
         let scheme = match stepper {
             Stepper::Behind { contact_forces } => Scheme::Behind { contact_forces },
             Stepper::Settled => Scheme::Settled(Variants::of(&model)?),

@@ -4,12 +4,11 @@ use std::f64::consts::PI;
 
 use gym_core::{Error, Kwargs, Result};
 use mujoco_engine::model::JointType;
-use mujoco_engine::{Data, Model};
+use mujoco_engine::{CompiledModel, Data, Model};
 
 use crate::numpy::norm;
 use crate::rng::Rng;
 use crate::simulation::Simulation;
-use crate::task::SimTask;
 
 /// An episode that is about to start. `data` is in the model's initial configuration.
 #[derive(Debug)]
@@ -23,7 +22,7 @@ pub struct Start<'a> {
     pub constants: &'a mut Vec<f64>,
     /// Whether this reset seeded the generator.
     pub seeded: bool,
-    /// The options of the reset, which the task has [checked](SimTask::check_options).
+    /// The options of the reset, which the task has [checked](crate::SimTask::check_options).
     pub options: &'a Kwargs,
 }
 
@@ -47,13 +46,13 @@ impl Start<'_> {
         self.rng.uniform(low, high)
     }
 
-    /// Sets the drawn constants in the model.
+    /// Changes the model by the drawn constants.
     ///
     /// # Errors
-    /// [`Error::InvalidArgument`] if the model refuses the constants.
-    pub fn apply(&mut self, task: &dyn SimTask) -> Result<()> {
+    /// [`Error::InvalidArgument`] if the model refuses the change.
+    pub fn change(&mut self, change: impl FnOnce(&[f64], &mut CompiledModel)) -> Result<()> {
         let constants = &*self.constants;
-        self.simulation.change(|model| task.apply(constants, model))
+        self.simulation.change(|model| change(constants, model))
     }
 
     /// Computes the derived arrays from the state.

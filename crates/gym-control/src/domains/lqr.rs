@@ -9,8 +9,9 @@
 //! | end | terminated at rest in the middle, within 1e-6 |
 //! | limit | none |
 //!
-//! Differences from Gymnasium: the last bit of some numbers is numpy's on a CPU with AVX-512,
-//! for which `OPENBLAS_CORETYPE=SkylakeX` asks; on other CPUs dm_control's own differs.
+//! Differences from dm_control: none are known with `mujoco="3.12"`; dm_control 1.0.45 does not run
+//! on 4.0, the default. The last bit of some numbers is numpy's on a CPU with AVX-512, for which
+//! `OPENBLAS_CORETYPE=SkylakeX` asks; on other CPUs dm_control's own differs.
 //!
 //! Source: dm_control 1.0.45, `suite/lqr.py`.
 
@@ -97,7 +98,7 @@ impl SimTask for Lqr {
                 start.constants.push(stiffness);
                 start.rng.random(); // the damping, which is always 0
             }
-            start.apply(self)?;
+            start.change(|constants, model| self.apply(constants, model))?;
         }
         let unit: Vec<f64> = (0..self.bodies)
             .map(|_| start.rng.standard_normal())

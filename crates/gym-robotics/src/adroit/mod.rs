@@ -234,14 +234,14 @@ impl<S: Skill> SimTask for HandTask<S> {
         self.skill.constants(start.model(), &mut constants);
         self.skill.draw(&mut constants, start.rng);
         *start.constants = constants;
-        start.apply(self)?;
+        start.change(|constants, model| self.apply(constants, model))?;
         start.settle();
         self.skill.remember(start.data);
         if let Some(state) = self.state(start.options)? {
             start.data.qpos.copy_from_slice(&state.qpos);
             start.data.qvel.copy_from_slice(&state.qvel);
             *start.constants = state.constants;
-            start.apply(self)?;
+            start.change(|constants, model| self.apply(constants, model))?;
         }
         Ok(())
     }

@@ -16,7 +16,6 @@ use gym_core::{Error, Result};
 use serde::{Deserialize, Serialize};
 
 use self::camera::Camera;
-use crate::Common;
 use mujoco_engine::math::{Mat3, Vec3, add, mul_quat, quat_to_mat, rotate, sub};
 use mujoco_engine::model::GeomType;
 use mujoco_engine::physics::{com_pos, kinematics};
@@ -141,44 +140,17 @@ impl View {
         })
     }
 
-    /// The view that a task's arguments describe.
-    ///
-    /// # Errors
-    /// [`Error::InvalidArgument`] for a camera that the model does not have.
-    pub fn of_task(model: &Model, arguments: &Common) -> Result<Self> {
-        let data = initial(model);
-        let own = match (&arguments.camera_name, arguments.camera_id) {
-            (Some(name), _) => Some(model.camera_id(name).ok_or_else(|| {
-                let names = model.names.camera.iter().flatten();
-                let names: Vec<&str> = names.map(|name| &**name).collect();
-                Error::argument(
-                    "camera_name",
-                    format!(
-                        "there is no camera {name:?}: the cameras are {}",
-                        names.join(", ")
-                    ),
-                )
-            })?),
-            (None, None | Some(-1)) => None,
-            (None, Some(id)) => {
-                let number = model.cam_mode.len();
-                let valid = usize::try_from(id).ok().filter(|id| *id < number);
-                Some(valid.ok_or_else(|| {
-                    Error::argument(
-                        "camera_id",
-                        format!("{id}: the model has {number} cameras; -1 is the free one"),
-                    )
-                })?)
-            }
-        };
-        let mount = match own {
-            Some(id) => Mount::Own(Own::new(model, &data, id)),
-            None => free(model, &data, &arguments.default_camera_config)?,
-        };
-        Ok(Self {
-            mount,
-            max_geom: arguments.max_geom,
-        })
+    /// The view of a camera of the model.
+    pub(crate) fn of_camera(model: &Model, id: usize) -> Self {
+        Self {
+            mount: Mount::Own(Own::new(model, &initial(model), id)),
+            max_geom: usize::MAX,
+        }
+    }
+
+    /// The same with at most so many geoms.
+    pub(crate) fn with_max_geom(self, max_geom: usize) -> Self {
+        Self { max_geom, ..self }
     }
 
     /// Turns the free camera by some degrees, and multiplies its distance by `zoom`.

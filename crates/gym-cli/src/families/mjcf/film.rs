@@ -93,14 +93,12 @@ impl<'a> Film<'a> {
             arguments.azimuth,
             arguments.elevation,
         );
-        let view = View::of_task(
-            model,
-            &Common {
-                camera_name: arguments.camera.clone(),
-                default_camera_config: camera,
-                ..Common::default()
-            },
-        )?;
+        let options = Common {
+            camera_name: arguments.camera.clone(),
+            default_camera_config: camera,
+            ..Common::default()
+        };
+        let view = options.view(model)?;
         let (width, height) = arguments.size;
         Ok(Some(Self {
             path,

@@ -1,7 +1,7 @@
 //! Reinforcement-learning environments in Rust.
 //!
-//! The crate has nine rooms. Each names only rooms that stand before it in the list of modules
-//! below; the test `rooms` checks this.
+//! The modules have an order: `value`, `drawing`, `spec`, `spaces`, `env`, `play`, `vector`,
+//! `wrappers`, `registry`. Each names only earlier ones, which a test checks (`tests/tests/it/rooms.rs`).
 #![cfg_attr(docsrs, feature(doc_cfg))]
 #![warn(clippy::disallowed_methods)]
 

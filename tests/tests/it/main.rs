@@ -17,6 +17,7 @@ mod parity_box2d;
 mod places;
 mod properties;
 mod restored;
+mod rooms;
 mod sizes;
 mod sources;
 mod stack;

@@ -5,7 +5,6 @@ mod families;
 mod groups;
 mod lockstep;
 mod rare;
-mod rooms;
 mod seams;
 mod spaces;
 mod window;

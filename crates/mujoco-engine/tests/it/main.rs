@@ -12,7 +12,6 @@ mod meshes;
 mod mjcf;
 mod numbers;
 mod rays;
-mod rooms;
 mod sleep;
 mod steps;
 mod textures;

@@ -17,9 +17,9 @@
 //! continuing task the goal always changes when it is reached, before the reward of the step is
 //! computed; and the start may be as near to the goal as 0.5 m.
 //!
-//! Differences from Gymnasium-Robotics: all numbers equal its numbers with the version of MuJoCo
-//! that `mujoco` names, for Linux on x86-64. A map on which an episode cannot start is an error,
-//! where the package waits for ever.
+//! Differences from Gymnasium-Robotics: all numbers are Gymnasium-Robotics' with the version of
+//! MuJoCo that `mujoco` names, for Linux on x86-64. A map on which an episode cannot start is an
+//! error, where the package waits for ever.
 //!
 //! Source: Gymnasium-Robotics 1.4.2, `envs/maze/ant_maze_v3.py`, `ant_maze_v4.py`, `ant_maze_v5.py`,
 //! `maze.py` and `maze_v4.py`.

@@ -14,9 +14,9 @@
 //! the goal. The reset options `goal_cell` and `reset_cell` name the cells of goal and ball by row
 //! and column.
 //!
-//! Differences from Gymnasium-Robotics: all numbers equal its numbers with the version of MuJoCo
-//! that `mujoco` names, for Linux on x86-64. A map on which an episode cannot start is an error,
-//! where the package waits for ever.
+//! Differences from Gymnasium-Robotics: all numbers are Gymnasium-Robotics' with the version of
+//! MuJoCo that `mujoco` names, for Linux on x86-64. A map on which an episode cannot start is an
+//! error, where the package waits for ever.
 //!
 //! Source: Gymnasium-Robotics 1.4.2, `envs/maze/point_maze.py`, `point.py` and `maze_v4.py`.
 

@@ -36,7 +36,7 @@ pub struct Book {
     pub contents: fn(&Path, &str) -> Result<Document>,
     /// The text below the list of environments.
     pub below_list: &'static str,
-    /// The text on differences from Gymnasium of a page whose module has no such text.
+    /// The section on differences of a page whose module has none.
     pub no_difference: &'static str,
     /// Returns the book's other generated files, given the folder of the workspace; with `true`,
     /// also the images.

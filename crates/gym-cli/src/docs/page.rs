@@ -181,7 +181,9 @@ impl Docs {
                 docs.observation = Some(paragraph.to_owned());
             } else if let Some(versions) = paragraph.strip_prefix("Versions: ") {
                 docs.versions = Some(versions.to_owned());
-            } else if let Some(differences) = paragraph.strip_prefix("Differences from Gymnasium: ")
+            } else if let Some((_, differences)) = paragraph
+                .strip_prefix("Differences from ")
+                .and_then(|rest| rest.split_once(": "))
             {
                 docs.differences = Some(capitalised(differences));
             } else {
@@ -203,8 +205,16 @@ impl Docs {
 
 /// Replaces rustdoc's links to items by code without brackets.
 fn without_item_links(text: &str) -> String {
+    let mut parts = text.split("](crate::");
+    let mut plain = parts.next().unwrap_or_default().to_owned();
+    for part in parts {
+        let (_, rest) = part.split_once(')').unwrap_or(("", part));
+        plain += "]";
+        plain += rest;
+    }
     // (joins adjacent code: [`f`]`(x)` becomes `f(x)`)
-    text.replace("`]`", "")
+    plain
+        .replace("`]`", "")
         .replace("[`", "`")
         .replace("`]", "`")
         .replace("`Config::", "`")
@@ -310,7 +320,7 @@ impl Page {
         }
         let no_difference = book.map(|book| book.no_difference);
         if let Some(differences) = docs.differences.as_deref().or(no_difference) {
-            section("Differences from Gymnasium", differences);
+            section("Differences", differences);
         }
         if registrations
             .iter()
@@ -348,6 +358,12 @@ fn arguments(shown: &Registration, registrations: &[Registration]) -> Result<Str
     if table.is_empty() {
         return Ok("None.".into());
     }
+    let tables = registrations.iter().map(Registration::arguments);
+    let tables = tables.collect::<Result<Vec<_>>>()?;
+    let is_everywhere = |name: &str| {
+        let mut tables = tables.iter();
+        tables.all(|table| table.iter().any(|argument| argument.name == name))
+    };
     let mut text = String::from("| argument | type | default | meaning |\n|---|---|---|---|\n");
     for argument in &table {
         let unit = if argument.unit.is_empty() {
@@ -357,7 +373,7 @@ fn arguments(shown: &Registration, registrations: &[Registration]) -> Result<Str
         };
         let versions = match argument.versions {
             "" => String::new(),
-            _ if registrations.len() == 1 => String::new(),
+            _ if is_everywhere(argument.name) => String::new(),
             versions => format!(" (versions `{versions}`)"),
         };
         let meaning = without_item_links(&argument.meaning);
@@ -508,7 +524,8 @@ mod tests {
         let rows = ["observation", "action", "reward", "start", "end", "limit"]
             .map(|row| format!("//! | {row} | x |\n"));
         let source = format!(
-            "//! Lake: cross\n//! it.\n//!\n//! | | |\n//! |---|---|\n{}//!\n//! Versions: 1, with [`Config`] and [`f`]`(x)`.\n\n\
+            "//! Lake: cross\n//! it.\n//!\n//! | | |\n//! |---|---|\n{}//!\n//! Versions: 1, with [`Config`] and [`f`]`(x)`.\n//!\n\
+             //! Differences from Pond: the [`Action`](crate::Action) is new.\n\n\
              use x; //! no more",
             rows.concat()
         );
@@ -521,6 +538,7 @@ mod tests {
             docs.versions.as_deref(),
             Some("1, with [`Config`](#arguments) and `f(x)`.")
         );
+        assert_eq!(docs.differences.as_deref(), Some("The `Action` is new."));
         let error = Docs::parse(&source.replace("| end |", "| ends |"), "lake.rs", false)
             .err()
             .unwrap();

@@ -9,8 +9,9 @@
 //! | end | never |
 //! | limit | 10 s: 1000 steps of 0.01 s |
 //!
-//! Differences from Gymnasium: the last bit of some numbers is numpy's on a CPU with AVX-512,
-//! for which `OPENBLAS_CORETYPE=SkylakeX` asks; on other CPUs dm_control's own differs.
+//! Differences from dm_control: none are known with `mujoco="3.12"`; dm_control 1.0.45 does not run
+//! on 4.0, the default. The last bit of some numbers is numpy's on a CPU with AVX-512, for which
+//! `OPENBLAS_CORETYPE=SkylakeX` asks; on other CPUs dm_control's own differs.
 //!
 //! Source: dm_control 1.0.45, `suite/acrobot.py`.
 

@@ -12,10 +12,10 @@
 //! `info` has `success`, whether the ball is within 0.1 m of the goal. The reset option
 //! `initial_state_dict` gives `qpos`, `qvel`, `obj_pos` and `target_pos`.
 //!
-//! Differences from Gymnasium-Robotics: all numbers equal its numbers with the version of MuJoCo
-//! that `mujoco` names, for Linux on x86-64. The hand has no visual meshes, and sensors that no
-//! observation reads are left out. Dense rewards are numpy's on a CPU with AVX-512; on others numpy
-//! rounds lengths otherwise, in the last bit.
+//! Differences from Gymnasium-Robotics: all numbers are Gymnasium-Robotics' with the version of
+//! MuJoCo that `mujoco` names, for Linux on x86-64. The hand has no visual meshes, and sensors that
+//! no observation reads are left out. Dense rewards are numpy's on a CPU with AVX-512; on others
+//! numpy rounds lengths otherwise, in the last bit.
 //!
 //! Source: Gymnasium-Robotics 1.4.2, `envs/adroit_hand/adroit_relocate.py`, and the hand of Vikash
 //! Kumar's ADROIT.

@@ -56,7 +56,7 @@ fn read(path: &Path) -> Reference {
 /// Compiles and runs the documents' snippets as doc tests.
 #[cfg(doctest)]
 mod documents {
-    // `tests/book.rs` checks that this list is complete
+    // `tests/it/book.rs` checks that this list is complete
     #[doc = include_str!("../../docs/atari.md")]
     struct Atari;
     #[doc = include_str!("../../docs/bridge.md")]

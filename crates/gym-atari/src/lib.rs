@@ -49,3 +49,8 @@ gym_core::family!(
         .page("atari.md")
         .needs("ROMs", rom::available)
 );
+
+/// The example of the README, compiled.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;

@@ -59,3 +59,8 @@ gym_core::family!(
             || false
         )
 );
+
+/// The example of the README, compiled.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;

@@ -230,6 +230,11 @@ impl Trace {
     }
 }
 
+/// The example of the README, compiled.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;
+
 #[cfg(test)]
 mod tests {
     use serde_json::json;

@@ -101,3 +101,8 @@ pub use transform_reward::TransformReward;
 pub use wrap::{VectorWrap, Wrap};
 
 pub use gym_core::wrappers::*;
+
+/// The example of the README, compiled.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;

@@ -45,6 +45,27 @@ fn every_page_with_snippets_is_a_doc_test() {
     }
 }
 
+#[test]
+fn every_readme_of_a_crate_with_snippets_is_a_doc_test() {
+    let mut seen = 0;
+    for entry in std::fs::read_dir(root().join("crates")).expect("a folder") {
+        let folder = entry.expect("an entry").path();
+        let Ok(readme) = std::fs::read_to_string(folder.join("README.md")) else {
+            continue;
+        };
+        if ["```rust\n", "```rust,no_run\n"]
+            .iter()
+            .any(|start| readme.contains(start))
+        {
+            let lib = read(folder.join("src/lib.rs"));
+            let is_tested = lib.contains("include_str!(\"../README.md\")");
+            assert!(is_tested, "{}: include its README", folder.display());
+            seen += 1;
+        }
+    }
+    assert!(seen > 15, "{seen} READMEs");
+}
+
 /// The wrapper names of specs, read from the error for an unknown name.
 #[test]
 fn every_wrapper_of_the_registry_is_in_the_table() {
@@ -118,7 +139,7 @@ fn the_readme_names_every_environment() {
     let readme = read("README.md");
     let names = gym::registry::self_contained();
     let names = names.iter().map(gym::Registration::id);
-    // 299 ids are named by their prefix
+    // ids that are named by their prefix
     let prefixes = [
         "MiniGrid-",
         "BabyAI-",
@@ -147,19 +168,25 @@ fn the_readme_names_every_environment() {
 }
 
 #[test]
-fn default_features_are_named() {
+fn features_are_named() {
     let manifest = read("crates/gym/Cargo.toml");
-    let line = manifest
+    let (_, features) = manifest.split_once("[features]").expect("features");
+    let (features, _) = features.split_once("\n[").expect("the next table");
+    let lines: Vec<(&str, &str)> = features
         .lines()
-        .find_map(|line| line.strip_prefix("default = ["));
-    let features: Vec<_> = words(line.expect("a list"), |c| {
-        c.is_ascii_alphanumeric() || c == '-'
-    })
-    .collect();
-    assert!(features.len() > 5, "{features:?}");
-    for page in ["README.md", "docs/first-steps.md"] {
+        .filter_map(|line| line.split_once(" = ["))
+        .collect();
+    let list_of = |name: &str| {
+        let line = lines.iter().find(|(feature, _)| *feature == name);
+        let (_, list) = line.expect("a list");
+        words(list, |c| c.is_ascii_alphanumeric() || c == '-')
+    };
+    let all: Vec<_> = lines.iter().map(|(feature, _)| *feature).collect();
+    let default: Vec<_> = list_of("default").chain(list_of("families")).collect();
+    assert!(all.len() > default.len() && default.len() > 10, "{all:?}");
+    for (page, features) in [("README.md", &all), ("docs/first-steps.md", &default)] {
         let text = read(page);
-        for feature in &features {
+        for feature in features.iter().filter(|feature| **feature != "default") {
             assert!(
                 text.contains(&format!("`{feature}`")),
                 "{page} lacks the feature {feature}"

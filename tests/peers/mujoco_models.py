@@ -4,7 +4,7 @@
     pip install mujoco==3.12.0
     python mujoco_models.py OUT.json      run again with mujoco==4.0.0: the file gets a second version
 
-The model has joints, contacts, a tendon, actuators and sensors; `crates/gym-mujoco/tests/it/changes.rs` replays the file.
+The model has joints, contacts, a tendon, actuators and sensors; `crates/mujoco-engine/tests/it/changes.rs` replays the file.
 """
 import json
 import os

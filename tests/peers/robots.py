@@ -166,11 +166,11 @@ def page(measured):
                 bits = "equal" if result["difference"] is None else result["difference"]
                 cells += [bits, *(timing.shown(result[rate]) if rate in result else "" for rate in ("ours", "libmujoco"))]
         lines.append("| " + " | ".join(cells) + " |")
-    counts = ", ".join(
-        f"with {v} {equal[v]} of {len(measured['versions'][v])}, and {sum('refused' in r for r in measured['versions'][v].values())} are refused"
+    counts = "; ".join(
+        f"with {v}, {equal[v]} have libmujoco's bits and {sum('refused' in r for r in measured['versions'][v].values())} are refused"
         for v in versions
     )
-    head = f"{measured['steps']} steps with random controls have libmujoco's bits in {len(robots)} scenes: {counts}."
+    head = f"{len(robots)} scenes, {measured['steps']} steps with random controls: {counts}."
     names = measured.get("sheet", [])
     rows = [", ".join(names[i : i + COLUMNS]) for i in range(0, len(names), COLUMNS)]
     picture = ["", "![Robots of Menagerie](robots/robots.png)", "", *(f"{i}. {row}" for i, row in enumerate(rows, 1))] if names else []

@@ -32,8 +32,8 @@
 //! positions, [`forward`] is `mj_forward`, [`CompiledModel`] has the fields of `mjModel`.
 //!
 //! - **The same numbers.** The engine repeats the Linux x86-64 wheels of libmujoco 3.11 to 3.13,
-//!   3.17 and 4.0 to the last bit, on every platform; [`Revision`] selects the release. What it does not
-//!   support is an error that names the place, never another result.
+//!   3.17, 4.0.0 and 4.0.1 to the last bit, on every platform; [`Revision`] selects the release. What
+//!   it does not support is an error that names the place, never another result.
 //! - **A part of MJCF.** All joints, tendons, equality constraints and sensors of the list in
 //!   [`Model::from_xml`]; planes, spheres, capsules, cylinders, boxes, ellipsoids, meshes and
 //!   height fields. Flexes and plugins are refused.

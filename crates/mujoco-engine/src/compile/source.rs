@@ -33,9 +33,9 @@ impl Model {
     /// Errors are composites, flexes, plugins, signed distance fields, models within models (`model`,
     /// `attach`), sleeping (`flag sleep`, unless all bodies stay awake), surface velocities and adhesion
     /// of geoms, delays, polynomial springs and dampers, the actuators dcmotor, pid and orientation, and
-    /// the sensors user, tactile and plugin; and so are more than 1000 objects of a kind (sites:
-    /// 200,000 elements together) and more than 8 MiB of names, both with the copies that `replicate`
-    /// makes, and files of meshes or of height fields with more than 256 MiB together.
+    /// the sensors user, tactile and plugin. So are more than 1000 objects of a kind other than sites,
+    /// more than 200,000 elements in bodies, and more than 8 MiB of their names, all with the copies that
+    /// `replicate` makes; and files of meshes or of height fields with more than 256 MiB together.
     ///
     /// # Errors
     /// [`Error::Mjcf`] for text that is not XML, for anything outside the supported part of MJCF,

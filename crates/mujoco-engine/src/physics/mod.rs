@@ -7,14 +7,17 @@
 //! | `tendon`, `wrap`, `transmission` | lengths and moment arms of tendons and actuators |
 //! | `inertia` | the inertia matrix and its factors |
 //! | `collision` | contacts |
-//! | `rows`, `constraint` | rows of constraints by their cause; their arrays, islands |
-//! | `velocity` | velocities of bodies, bias forces |
-//! | `passive` | springs, dampers, fluid |
+//! | `rows`, `bias`, `constraint` | rows of constraints by their cause; their arrays, islands |
+//! | `velocity` | velocities of bodies, and the forces that follow from them |
+//! | `passive`, `fluid` | springs, dampers, forces of a medium |
 //! | `actuation`, `muscle` | actuators |
-//! | `solver` | constraint forces: Newton's method, projected Gauss-Seidel |
-//! | `sensor`, `ray`, `energy`, `post_constraint` | sensors, and what they need |
-//! | `integrate`, `implicit` | Euler, Runge-Kutta, implicit integrators |
+//! | `solver` | constraint forces: Newton's method, conjugate gradients, projected Gauss-Seidel |
+//! | `sensor` and files named `..._sensor`, `ray`, `energy`, `post_constraint` | sensors, and what they need |
+//! | `integrate`, `implicit`, `free`, `fluid_slopes` | Euler, Runge-Kutta, implicit integrators |
 //! | `inverse` | forces from accelerations |
+//!
+//! `data` has the arrays that stages write, `work` their buffers, and `lanes` the stages of several
+//! worlds at once.
 //!
 //! All stages are compiled into one function, for the CPU that runs it. Functions that several
 //! stages call are `inline(never)`: copies of them would not fit in the instruction cache, and
@@ -141,9 +144,9 @@ pub fn step(m: &Model, d: &mut Data) {
     advance(m, d);
 }
 
-/// A timestep of which only the state is read afterwards, because another timestep follows. Unlike
-/// [`step`], it does not store its start, so a snapshot taken after it holds only the state; and
-/// frames of geoms and sites that no stage reads keep their old values.
+/// A timestep that another follows: it computes only what the next one needs. Unlike [`step`], it
+/// does not store its start, so a snapshot taken after it holds only the state; and frames of geoms
+/// and sites that no stage reads keep their old values.
 ///
 /// # Panics
 /// If the data is of another model.

@@ -60,12 +60,16 @@ pub(crate) fn dot_slices(a: &[f64], b: &[f64]) -> f64 {
     rest.map_or(sum, |rest| sum + rest)
 }
 
-/// The product of a matrix of six rows with a vector, each element in the order of `mju_dot`.
-/// `columns` are the columns of the matrix, each with its element of the vector.
-pub(crate) fn sum_of_columns(columns: impl ExactSizeIterator<Item = ([f64; 6], f64)>) -> [f64; 6] {
+/// The product of a matrix of six rows with a vector, each element in the order of `mju_dot`, or
+/// of [`dot_sparse`] if the last products are added `one_by_one`. `columns` are the columns of the
+/// matrix, each with its element of the vector.
+pub(crate) fn sum_of_columns(
+    columns: impl ExactSizeIterator<Item = ([f64; 6], f64)>,
+    one_by_one: bool,
+) -> [f64; 6] {
     let full = columns.len() - columns.len() % 4;
-    let mut sums = [[0.0; 4]; 6];
-    let mut rest: Option<[f64; 6]> = None;
+    let (mut sums, mut last) = ([[0.0; 4]; 6], [[0.0; 6]; 3]);
+    let mut left = 0;
     for (j, (column, x)) in columns.enumerate() {
         let products = column.map(|element| element * x);
         if j < full {
@@ -73,13 +77,21 @@ pub(crate) fn sum_of_columns(columns: impl ExactSizeIterator<Item = ([f64; 6], f
                 sums[j % 4] += product;
             }
         } else {
-            rest = Some(rest.map_or(products, |rest| {
-                std::array::from_fn(|k| rest[k] + products[k])
-            }));
+            (last[left], left) = (products, left + 1);
         }
     }
-    let whole = sums.map(|sums| total(&sums));
-    rest.map_or(whole, |rest| std::array::from_fn(|k| whole[k] + rest[k]))
+    std::array::from_fn(|k| {
+        let (whole, last) = (
+            total(&sums[k]),
+            last[..left].iter().map(|products| products[k]),
+        );
+        if one_by_one {
+            last.fold(whole, |sum, x| sum + x)
+        } else {
+            last.reduce(|sum, x| sum + x)
+                .map_or(whole, |last| whole + last)
+        }
+    })
 }
 
 /// The scalar product of `a` with the elements `columns` of `x`: MuJoCo's `mju_dotSparse`, which
@@ -98,6 +110,20 @@ pub(crate) fn dot_sparse(a: &[f64], columns: &[usize], x: &[f64]) -> f64 {
         sum += a * x[column];
     }
     sum
+}
+
+/// The scalar product of the elements `columns` of two vectors, in the order of [`dot_sparse`].
+#[inline(always)]
+pub(crate) fn dot_at(a: &[f64], b: &[f64], columns: &[usize]) -> f64 {
+    let (fours, rest) = columns.as_chunks::<4>();
+    let mut sums = [0.0; 4];
+    for columns in fours {
+        for k in 0..4 {
+            sums[k] += a[columns[k]] * b[columns[k]];
+        }
+    }
+    let products = rest.iter().map(|&column| a[column] * b[column]);
+    products.fold(total(&sums), |sum, product| sum + product)
 }
 
 /// The product of the first `n` elements of two vectors, in the order of [`dot_sparse`].

@@ -132,8 +132,6 @@ impl Reader<'_> {
         element.set_non_negative("ls_tolerance", &mut option.ls_tolerance)?;
         let cones = [("pyramidal", Cone::Pyramidal), ("elliptic", Cone::Elliptic)];
         element.set_keyword("cone", &cones, &mut option.cone)?;
-        // `jacobian` selects the storage of the Jacobian in MuJoCo. The results do not depend on
-        // it.
         let jacobians = [("dense", 0), ("sparse", 1), ("auto", 2)];
         element.set_keyword("jacobian", &jacobians, &mut option.jacobian)?;
         replace(&mut option.impratio, element.positive("impratio")?);

@@ -51,6 +51,9 @@ pub(crate) struct Plan {
     pub(crate) limits: Vec<Limit>,
     /// Equality constraints, dry friction and tendon limits.
     pub(crate) constraints: ModelConstraints,
+    /// Whether sums over degrees of freedom leave out those that a row does not depend on: MuJoCo's
+    /// `mj_isSparse`.
+    pub(crate) sparse: bool,
     /// Whether all constraint rows are inequalities: limits, and contacts without elliptic cones.
     /// Solvers then need not read the type of a row.
     pub(crate) inequalities_only: bool,
@@ -184,6 +187,7 @@ impl Plan {
             deep: None,
             sizes: [0; 15],
             limits: Vec::new(),
+            sparse: m.opt.jacobian == 1 || m.opt.jacobian == 2 && m.nv() >= 60,
             inequalities_only: {
                 let elliptic = m.opt.cone == Cone::Elliptic;
                 !elliptic && !ModelConstraints::new(m).can_pull()

@@ -46,7 +46,8 @@ pub struct Options {
     pub enableflags: u32,
     /// Disabled groups of actuators, as bits.
     pub disableactuator: u32,
-    /// How MuJoCo stores Jacobians (0 dense, 1 sparse, 2 automatic); it has no effect here.
+    /// How MuJoCo stores Jacobians (0 dense, 1 sparse, 2 automatic: sparse from 60 degrees of
+    /// freedom on). It decides in which order sums are added, and so their last bits.
     pub jacobian: u8,
 }
 

@@ -67,12 +67,18 @@ fn of_point(m: &Model, d: &Data, body: usize, point: Vec3) -> (Vec3, Vec3) {
         let [turn_x, turn_y, turn_z] = rotation(&change);
         [x, y, z, turn_x, turn_y, turn_z]
     };
+    if m.plan().sparse {
+        let chain = m.plan().chain(body);
+        let columns = chain.iter().map(|&dof| (column(dof), d.qvel[dof]));
+        let [x, y, z, turn_x, turn_y, turn_z] = sum_of_columns(columns, true);
+        return ([x, y, z], [turn_x, turn_y, turn_z]);
+    }
     let mut chain = m.plan().chain(body).iter().peekable();
     let columns = (0..m.nv()).map(|dof| {
         let moves = chain.next_if_eq(&&dof).is_some();
         (if moves { column(dof) } else { [0.0; 6] }, d.qvel[dof])
     });
-    let [x, y, z, turn_x, turn_y, turn_z] = sum_of_columns(columns);
+    let [x, y, z, turn_x, turn_y, turn_z] = sum_of_columns(columns, false);
     ([x, y, z], [turn_x, turn_y, turn_z])
 }
 

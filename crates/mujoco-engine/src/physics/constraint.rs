@@ -4,6 +4,8 @@
 //! Rows belong to blocks, one for each constraint. They are dense, because libmujoco sums over zeros
 //! too; see [`dense`](crate::math::dense).
 
+use std::ops::Range;
+
 use super::bias;
 use crate::math::dense::{self, Lanes};
 use crate::model::{Bounds, Disable};
@@ -19,6 +21,10 @@ pub struct Constraints {
     /// The Jacobian: `stride` groups of four numbers for each row.
     jac: Vec<Lanes>,
     stride: usize,
+    /// The degrees of freedom of each block's rows, ascending, if the model is sparse.
+    pub(super) columns: Vec<usize>,
+    /// Whether products with the Jacobian are sums over `columns` alone.
+    pub(super) sparse: bool,
     /// Distance to the constraint; negative where it is violated.
     pub pos: Vec<f64>,
     /// The constraint acts where `pos` is below this margin.
@@ -62,6 +68,8 @@ pub(crate) struct Block {
     pub(crate) rows: usize,
     /// The Jacobians are zero from this group on.
     pub(crate) groups: usize,
+    /// The rows' part of [`Constraints::columns`].
+    pub(crate) columns: Range<usize>,
     /// A tree that the constraint acts on.
     pub(crate) tree: usize,
     pub(crate) island: usize,
@@ -140,7 +148,28 @@ impl Constraints {
         self.kbip.clear();
         self.loss.clear();
         self.island.clear();
+        self.columns.clear();
         self.nisland = 0;
+    }
+
+    /// Computes `J x`, for the number `n` of degrees of freedom.
+    #[inline(always)]
+    pub(crate) fn multiply(&self, x: &[Lanes], n: usize, out: &mut [f64]) {
+        if self.sparse {
+            self.multiply_sparse(x.as_flattened(), out);
+        } else {
+            mul_jacobian(&self.blocks, &self.jac, self.stride, x, n, out);
+        }
+    }
+
+    #[inline(never)]
+    fn multiply_sparse(&self, x: &[f64], out: &mut [f64]) {
+        for block in &self.blocks {
+            let columns = &self.columns[block.columns.clone()];
+            for row in block.row..block.row + block.rows {
+                out[row] = dense::dot_at(self.row(row), x, columns);
+            }
+        }
     }
 
     /// Replaces all rows by `rows` inequality rows of one tree. `jac` has the Jacobian of each row,
@@ -243,6 +272,7 @@ pub(super) fn push_block(
         row,
         rows,
         groups,
+        columns: 0..0,
         tree,
         island: 0,
     });
@@ -264,7 +294,9 @@ pub fn reference_constraint(m: &Model, d: &mut Data) {
         return;
     }
     dense::put(x, &d.qvel);
-    mul_jacobian(&efc.blocks, &efc.jac, efc.stride, x, m.nv(), &mut efc.vel);
+    let mut velocities = std::mem::take(&mut efc.vel);
+    efc.multiply(x, m.nv(), &mut velocities);
+    efc.vel = velocities;
     for i in 0..efc.pos.len() {
         let [stiffness, damping, impedance, _] = efc.kbip[i];
         efc.aref[i] = -damping * efc.vel[i] - stiffness * impedance * (efc.pos[i] - efc.margin[i]);
@@ -307,6 +339,12 @@ pub(super) fn islands(m: &Model, d: &mut Data) {
                 }
             }
             Source::Limit(_) | Source::DofFriction(_) => {}
+            _ if d.efc.sparse => {
+                for &dof in &d.efc.columns[block.columns.clone()] {
+                    let (a, b) = (find(least, block.tree), find(least, m.dof_treeid[dof]));
+                    least[a.max(b)] = a.min(b);
+                }
+            }
             _ => {
                 let rows = block.row * d.efc.stride..(block.row + block.rows) * d.efc.stride;
                 for row in d.efc.jac[rows].chunks(d.efc.stride) {

@@ -13,6 +13,7 @@ mod mjcf;
 mod numbers;
 mod rays;
 mod sleep;
+mod sparse;
 mod steps;
 mod textures;
 mod worlds;

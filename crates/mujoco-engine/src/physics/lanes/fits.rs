@@ -34,6 +34,7 @@ pub(crate) fn fits(m: &Model, stride: &Stride) -> bool {
     });
     let bounds = plan.bounds();
     joints
+        && !plan.sparse
         && m.ntree() == 1
         && m.na() == 0
         && matches!(m.opt.solver, Solver::Newton | Solver::PGS)

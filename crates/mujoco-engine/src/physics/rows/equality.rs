@@ -125,7 +125,7 @@ fn bodies<O: Order>(m: &Model, d: &mut Data, constraint: &Equality) {
             }
         }
     }
-    if drop_zeros(&mut d.efc, row) {
+    if !m.plan().sparse && drop_zeros(&mut d.efc, row) {
         return;
     }
     let efc = &mut d.efc;
@@ -137,7 +137,7 @@ fn bodies<O: Order>(m: &Model, d: &mut Data, constraint: &Equality) {
 }
 
 /// If the Jacobian of the last block, which begins at row `row`, is zero: removes the block, and
-/// returns true. MuJoCo adds no such constraints.
+/// returns true. MuJoCo adds no such constraints to dense Jacobians.
 fn drop_zeros(efc: &mut Constraints, row: usize) -> bool {
     let zero = efc.jacobian()[row * efc.stride()..]
         .as_flattened()
@@ -206,7 +206,7 @@ fn polynomial(m: &Model, d: &mut Data, constraint: &Equality) {
             }
         }
     }
-    if drop_zeros(&mut d.efc, row) {
+    if !m.plan().sparse && drop_zeros(&mut d.efc, row) {
         return;
     }
     let stiff = (&constraint.softness, constraint.diag[0]);

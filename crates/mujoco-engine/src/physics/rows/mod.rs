@@ -7,11 +7,14 @@
 //! | `limit` | limits of joints and tendons |
 //! | `contact` | contacts |
 //!
+//! `columns` lists the degrees of freedom of each row.
+//!
 //! A limit has one row, and so has a contact without friction. A contact with friction has four
 //! rows, one for each edge of its pyramid: `n + mu t1`, `n - mu t1`, `n + mu t2` and `n - mu t2`,
 //! where `n`, `t1` and `t2` are the Jacobians of the normal and the two tangents. The functions
 //! that worlds in lanes share are generic over [`Number`](crate::math::number::Number).
 
+mod columns;
 mod contact;
 mod equality;
 mod friction;
@@ -47,6 +50,10 @@ pub fn make_constraint(m: &Model, d: &mut Data) {
         column.resize(rows, 0.0);
     }
     efc.island.resize(rows, 0);
+    efc.sparse = m.plan().sparse;
+    if efc.sparse {
+        columns::list(m, d);
+    }
     islands(m, d);
 }
 
@@ -68,7 +75,9 @@ fn push_scalar(
         if joint {
             moves(m.jnt_dofadr[*object]);
         } else {
-            let moved = paths.rows[*object].clone().filter(|&e| d.ten_j[e] != 0.0);
+            let sparse = m.plan().sparse;
+            let moved = paths.rows[*object].clone();
+            let moved = moved.filter(|&e| sparse || d.ten_j[e] != 0.0);
             moved.for_each(|e| moves(paths.columns[e]));
         }
     }

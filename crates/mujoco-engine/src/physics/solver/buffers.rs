@@ -2,6 +2,7 @@
 
 use super::line_search::Row;
 use super::row_costs::{ConeHessian, Piece, State};
+use super::sparse::Sparse;
 use crate::Model;
 use crate::math::dense::{self, Lanes};
 use crate::physics::constraint::Block;
@@ -50,6 +51,8 @@ pub(crate) struct Buffers {
     // buffers of conjugate gradients
     pub(super) grad_before: Vec<Lanes>,
     pub(super) mgrad_before: Vec<Lanes>,
+    /// The matrices, if the model is sparse.
+    pub(super) sparse: Sparse,
     /// The rows of an island, if the model has several islands.
     pub(super) gathered: Gathered,
 }
@@ -79,9 +82,13 @@ impl Buffers {
         for vector in buffers.of_dofs() {
             vector.resize(groups, [0.0; 4]);
         }
-        buffers.hessian.reserve(nv * groups);
-        buffers.pushing.reserve(rows * groups);
-        buffers.pushed.reserve(rows * groups);
+        if m.plan().sparse {
+            buffers.sparse.reserve(nv, rows, cones > 0);
+        } else {
+            buffers.hessian.reserve(nv * groups);
+            buffers.pushing.reserve(rows * groups);
+            buffers.pushed.reserve(rows * groups);
+        }
         buffers.terms.reserve(rows);
         for vector in [
             &mut buffers.jar,
@@ -100,7 +107,9 @@ impl Buffers {
         buffers.rows.reserve(rows);
         if cones > 0 {
             buffers.cones.reserve(cones);
-            buffers.with_cones.reserve(nv * groups);
+            if !m.plan().sparse {
+                buffers.with_cones.reserve(nv * groups);
+            }
         }
         buffers.gathered.jac.reserve(rows * groups);
         buffers.gathered.blocks.reserve(blocks);

@@ -1,9 +1,9 @@
 //! Projected Gauss-Seidel for models with equality constraints, dry friction or elliptic cones.
 //! [`noslip`](super::noslip) uses the same updates of the rows' forces.
 
-use super::pgs::{Buffers, Pcg32};
+use super::pgs::{Buffers, Pcg32, product_of};
 use super::qcqp;
-use crate::math::dense::{self, dot, dot_slices};
+use crate::math::dense::{self, dot_slices};
 use crate::math::spatial::MINVAL;
 use crate::physics::constraint::{Block, Kind, Source};
 use crate::{Data, Model, Revision};
@@ -49,7 +49,7 @@ impl Rows<'_> {
     pub(super) fn residual(&self, row: usize) -> f64 {
         let (nefc, stride) = (self.d.efc.nefc(), dense::groups(self.d.efc.nefc()));
         let ar = &self.s.ar[row * stride..(row + 1) * stride];
-        self.d.efc.b[row] + dot(ar, &self.s.force, nefc)
+        self.d.efc.b[row] + product_of(ar, &self.s.force, nefc, self.s.coupled.of(row))
     }
 
     /// Sets the forces of the rows from `first` on to `force`, unless the cost would grow. Returns

@@ -10,10 +10,11 @@ mod noslip;
 pub(crate) mod pgs;
 mod qcqp;
 mod row_costs;
+mod sparse;
 
 use std::ops::Range;
 
-use super::constraint::{Constraints, mul_jacobian};
+use super::constraint::Constraints;
 use crate::math::dense::{self, Lanes};
 use crate::model::Solver;
 use crate::{Data, Model};
@@ -118,7 +119,7 @@ pub(super) fn add_forces(m: &Model, d: &mut Data) {
 #[inline(always)]
 fn residuals(m: &Model, efc: &Constraints, qacc: &[f64], x: &mut [Lanes], jar: &mut [f64]) {
     dense::put(x, qacc);
-    mul_jacobian(&efc.blocks, efc.jacobian(), efc.stride(), x, m.nv(), jar);
+    efc.multiply(x, m.nv(), jar);
     for (jar, aref) in jar.iter_mut().zip(&efc.aref) {
         *jar -= aref;
     }

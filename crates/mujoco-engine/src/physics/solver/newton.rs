@@ -9,6 +9,7 @@ use std::ops::Range;
 use super::buffers::{Buffers, Gathered};
 use super::line_search::{Along, Row, line_search};
 use super::row_costs::{ConeHessian, RowCosts, State};
+use super::sparse::Sparse;
 use super::{cholesky, conjugate, cost_of_rows, residuals};
 use crate::math::dense::{self, Lanes, add_scaled, combine, minus, times};
 use crate::math::spatial::MINVAL;
@@ -87,7 +88,11 @@ pub(super) fn solve(m: &Model, d: &mut Data) {
             d: &efc.d,
             aref: &efc.aref,
             row_costs: general.then_some(row_costs),
+            sparse: m.plan().sparse,
         };
+        if problem.sparse {
+            b.sparse.gather(&problem, efc, blocks);
+        }
         let answer = (&mut *d.qacc, &mut *d.qfrc_constraint);
         let iterations = if trees.len() == m.ntree() {
             // the island is the whole model
@@ -136,7 +141,7 @@ pub(super) struct Problem<'a> {
     /// The number of degrees of freedom.
     pub(super) n: usize,
     // over all degrees of freedom of the model
-    qm: &'a [f64],
+    pub(super) qm: &'a [f64],
     qld: &'a [f64],
     qld_diag_inv: &'a [f64],
     qfrc_smooth: &'a [f64],
@@ -144,10 +149,12 @@ pub(super) struct Problem<'a> {
     blocks: &'a [Block],
     jac: &'a [Lanes],
     stride: usize,
-    d: &'a [f64],
+    pub(super) d: &'a [f64],
     aref: &'a [f64],
     /// For models with equality constraints, dry friction or elliptic cones.
     row_costs: Option<RowCosts<'a>>,
+    /// Whether the matrices are those of [`Sparse`](super::sparse::Sparse).
+    sparse: bool,
 }
 
 impl Problem<'_> {
@@ -175,7 +182,10 @@ impl Problem<'_> {
 
     /// Computes `J x`.
     #[inline(always)]
-    fn mul_jacobian(&self, x: &[Lanes], out: &mut [f64]) {
+    fn mul_jacobian(&self, sparse: &Sparse, x: &[Lanes], out: &mut [f64]) {
+        if self.sparse {
+            return sparse.multiply(x, out);
+        }
         mul_jacobian(self.blocks, self.jac, self.stride, x, self.n, out);
     }
 
@@ -255,7 +265,7 @@ fn solve_island(
     problem.mul_m(&mut b.way, &b.acc, &mut b.ma);
     if !whole {
         b.jar.resize(nefc, 0.0);
-        problem.mul_jacobian(&b.acc, &mut b.jar);
+        problem.mul_jacobian(&b.sparse, &b.acc, &mut b.jar);
         let residuals = b.jar.iter_mut().zip(problem.aref);
         residuals.for_each(|(jar, aref)| *jar -= aref);
     }
@@ -324,8 +334,12 @@ fn iterate(problem: &Problem<'_>, b: &mut Buffers, scale: f64, tolerance: f64) -
         if coned {
             add_cones(problem, b);
         }
-        let factor = if coned { &b.with_cones } else { &b.hessian };
-        cholesky::solve(factor, n, problem.stride, &mut b.mgrad, m.revision);
+        if problem.sparse {
+            b.sparse.solve(coned, n, &mut b.mgrad);
+        } else {
+            let factor = if coned { &b.with_cones } else { &b.hessian };
+            cholesky::solve(factor, n, problem.stride, &mut b.mgrad, m.revision);
+        }
         if iteration == m.opt.iterations || ((level || iteration > 0) && decrement(b) < tolerance) {
             return iteration;
         }
@@ -368,13 +382,17 @@ pub(super) fn update(problem: &Problem<'_>, b: &mut Buffers) {
             }
         }
     }
-    combine(
-        &mut b.constraint,
-        problem.jac,
-        b.terms.len(),
-        #[inline(always)]
-        |index| b.terms[index],
-    );
+    if problem.sparse {
+        b.sparse.apply(&b.force, &mut b.constraint);
+    } else {
+        combine(
+            &mut b.constraint,
+            problem.jac,
+            b.terms.len(),
+            #[inline(always)]
+            |index| b.terms[index],
+        );
+    }
     for (((grad, ma), smooth), constraint) in b
         .grad
         .iter_mut()
@@ -391,6 +409,10 @@ pub(super) fn update(problem: &Problem<'_>, b: &mut Buffers) {
 #[inline(always)]
 fn hessian(problem: &Problem<'_>, b: &mut Buffers) {
     let (n, stride, plan) = (problem.n, problem.stride, problem.m.plan());
+    if problem.sparse {
+        b.sparse.factor(problem, &b.pushes);
+        return;
+    }
     // the Jacobians of the rows that push, and these Jacobians times the rows' stiffness
     b.pushing.clear();
     b.pushed.clear();
@@ -444,6 +466,10 @@ fn update_hessian(problem: &Problem<'_>, b: &mut Buffers) -> bool {
         b.pushes[row] = pushes;
         if definite {
             let root = problem.d[row].sqrt();
+            if problem.sparse {
+                definite = b.sparse.update(row, root, pushes);
+                continue;
+            }
             for (x, jac) in b.row_update.iter_mut().zip(problem.row(row)) {
                 *x = times(*jac, root);
             }
@@ -458,6 +484,11 @@ fn update_hessian(problem: &Problem<'_>, b: &mut Buffers) -> bool {
 /// `HessianCone`.
 #[inline(never)]
 fn add_cones(problem: &Problem<'_>, b: &mut Buffers) {
+    if problem.sparse {
+        let cones = b.cones.iter();
+        let local = cones.map(|cone| (cone.row, cone.dim, local_factor(cone)));
+        return b.sparse.add_cones(local);
+    }
     b.with_cones.clear();
     b.with_cones.extend_from_slice(&b.hessian);
     for cone in &b.cones {
@@ -505,7 +536,7 @@ pub(super) fn search(problem: &Problem<'_>, b: &mut Buffers, scale: f64) -> (f64
         return (0.0, 0.0);
     }
     problem.mul_m(&mut b.way, &b.search, &mut b.mv);
-    problem.mul_jacobian(&b.search, &mut b.jv);
+    problem.mul_jacobian(&b.sparse, &b.search, &mut b.jv);
     b.rows.clear();
     b.pieces.clear();
     match &problem.row_costs {

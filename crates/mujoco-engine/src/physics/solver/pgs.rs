@@ -4,10 +4,13 @@
 //! the number of iterations. This module repeats both exactly.
 
 use super::dual::{self, Unit};
+use std::ops::Range;
+
 use super::row_costs::{RowCosts, State};
 use super::{add_forces, dense, residuals};
 use crate::math::dense::{Lanes, add_scaled, dot, times};
 use crate::model::{Bounds, Disable, Solver};
+use crate::physics::constraint::Block;
 use crate::physics::inertia;
 use crate::{Data, Model};
 
@@ -23,6 +26,7 @@ pub(crate) struct Buffers {
     terms: Vec<(usize, f64)>,
     /// The indices at which the nonzero rows of `half` start, in descending order.
     moving: Vec<usize>,
+    pub(super) coupled: Coupled,
     jar: Vec<f64>,
     pub(super) force: Vec<Lanes>,
     product: Vec<Lanes>,
@@ -58,6 +62,11 @@ impl Buffers {
         buffers.ar.reserve(rows * groups);
         buffers.force.reserve(groups);
         buffers.product.reserve(groups);
+        if m.plan().sparse {
+            buffers.coupled.rows.reserve(bounds.blocks * rows);
+            buffers.coupled.ranges.reserve(rows);
+            buffers.coupled.trees.reserve(m.ntree());
+        }
         buffers.rows.reserve(rows);
         buffers.terms.reserve(nv);
         buffers.moving.reserve(nv);
@@ -134,13 +143,9 @@ pub(super) fn forces(m: &Model, d: &mut Data) {
         };
         row_costs.update(&s.jar, &mut force[..nefc], &mut b.states, &mut b.cones);
     }
-    for (product, row) in s
-        .product
-        .as_flattened_mut()
-        .iter_mut()
-        .zip(s.ar.chunks_exact(stride))
-    {
-        *product = dot(row, &s.force, nefc);
+    let products = s.product.as_flattened_mut().iter_mut();
+    for (i, (product, row)) in products.zip(s.ar.chunks_exact(stride)).enumerate() {
+        *product = product_of(row, &s.force, nefc, s.coupled.of(i));
     }
     // compare the cost of `force` with the cost of zero forces, which is 0
     let half_square = 0.5 * dot(&s.force, &s.product, nefc);
@@ -182,6 +187,61 @@ pub(super) fn finish(m: &Model, d: &mut Data) {
     inertia::solve(m, &d.qld, inverses, way, &mut d.qacc);
     for (a, smooth) in d.qacc.iter_mut().zip(&d.qacc_smooth) {
         *a += smooth;
+    }
+}
+
+/// Returns the product of a row of `ar` with the rows' forces.
+#[inline(always)]
+pub(super) fn product_of(
+    row: &[Lanes],
+    force: &[Lanes],
+    nefc: usize,
+    coupled: Option<&[usize]>,
+) -> f64 {
+    match coupled {
+        None => dot(row, force, nefc),
+        Some(rows) => dense::dot_at(row.as_flattened(), force.as_flattened(), rows),
+    }
+}
+
+/// For each row, the rows that act on the same trees, if the model is sparse: sums over rows leave
+/// out the others.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Coupled {
+    rows: Vec<usize>,
+    ranges: Vec<Range<usize>>,
+    /// A buffer: the last block that acts on each tree.
+    trees: Vec<usize>,
+}
+
+impl Coupled {
+    pub(super) fn of(&self, row: usize) -> Option<&[usize]> {
+        let range = self.ranges.get(row)?;
+        Some(&self.rows[range.clone()])
+    }
+
+    fn list(&mut self, m: &Model, d: &Data) {
+        self.rows.clear();
+        self.ranges.clear();
+        if !d.efc.sparse {
+            return;
+        }
+        self.trees.clear();
+        self.trees.resize(m.ntree(), usize::MAX);
+        let columns = |block: &Block| d.efc.columns[block.columns.clone()].iter();
+        for (index, block) in d.efc.blocks.iter().enumerate() {
+            for &dof in columns(block) {
+                self.trees[m.dof_treeid[dof]] = index;
+            }
+            let start = self.rows.len();
+            for other in &d.efc.blocks {
+                if columns(other).any(|&dof| self.trees[m.dof_treeid[dof]] == index) {
+                    self.rows.extend(other.row..other.row + other.rows);
+                }
+            }
+            let range = start..self.rows.len();
+            self.ranges.extend(std::iter::repeat_n(range, block.rows));
+        }
     }
 }
 
@@ -236,6 +296,7 @@ pub(super) fn project(m: &Model, d: &Data, s: &mut Buffers) {
             .for_each(|group| *group = times(*group, scale));
     }
 
+    s.coupled.list(m, d);
     s.ar.resize(nefc * stride, [0.0; 4]);
     let (half, moving, terms) = (&s.half[..], &s.moving[..], &mut s.terms);
     for ((i, row), r) in s.ar.chunks_exact_mut(stride).enumerate().zip(&d.efc.r) {
@@ -331,7 +392,7 @@ fn iterate(m: &Model, d: &Data, s: &mut Buffers, scale: f64) -> usize {
     let force = &mut s.force[..stride];
     let (before, momentum) = (&mut s.before[..n], &mut s.momentum[..n]);
     let (order, next_order) = (&mut s.order[..n], &mut s.next_order[..n]);
-    let mut k = 0.0;
+    let (mut k, coupled) = (0.0, &s.coupled);
     for iteration in 0..m.opt.iterations {
         let beta = if iteration > 0 {
             (k - 1.0) / (k + 2.0)
@@ -357,7 +418,8 @@ fn iterate(m: &Model, d: &Data, s: &mut Buffers, scale: f64) -> usize {
         for (&i, next) in order.iter().zip((0..n).rev()) {
             let step = &steps[i as usize];
             let row = step.row;
-            let residual = step.b + dot(&ar[row * stride..][..stride], force, nefc);
+            let ar = &ar[row * stride..][..stride];
+            let residual = step.b + product_of(ar, force, nefc, coupled.of(row));
             let old = force.as_flattened()[row];
             let moved = old - residual * step.diag_inv;
             let new = if moved < 0.0 { 0.0 } else { moved };

@@ -68,7 +68,8 @@ impl Variants {
             compiled.opt.disableflags |= part as u32;
             Model::new(compiled).map(Arc::new).map_err(wrong)
         };
-        let late = [SensorType::Touch];
+        use SensorType::{Accelerometer, Force, Torque, Touch};
+        let late = [Touch, Force, Torque, Accelerometer];
         Ok(Self {
             without_actuators: without(Disable::Actuation)?,
             without_sensors: without(Disable::Sensor)?,

@@ -24,7 +24,8 @@ pub(super) fn add_actuators(m: &mut CompiledModel, spec: &Spec) -> Result<()> {
                 }
             }
         }
-        let limited = |stated, range, names| super::limited(stated, range, spec, place, names);
+        let limited =
+            |stated, range, names| super::limited(stated, range, &actuator.compiler, place, names);
         let ctrl = ["ctrlrange", "ctrllimited"];
         let force = ["forcerange", "forcelimited"];
         let act = ["actrange", "actlimited"];

@@ -4,11 +4,14 @@ use std::collections::HashSet;
 
 use super::body::address;
 use super::geom::is_visual;
-use super::mesh::{Format, Mesh, Source};
+use super::mesh::{Builtin, Format, Mesh, Source};
 use crate::Result;
 use crate::mjcf::files::{self, MAX_ASSETS};
 use crate::mjcf::spec::{self, Spec};
 use crate::model::{CompiledModel, GeomType, Meshes};
+
+/// How many bytes of files a vertex of a shape without a file counts as.
+const BYTES: u64 = 32;
 
 /// Reads and compiles the meshes.
 pub(super) fn compile_meshes(spec: &Spec) -> Result<Vec<Mesh>> {
@@ -58,6 +61,16 @@ fn source(mesh: &spec::Mesh, spec: &Spec, left: &mut u64) -> Result<Source, Stri
         faces: mesh.faces.clone(),
         ..Source::default()
     };
+    if let Some((name, params)) = &mesh.builtin {
+        // what it makes stands in the place of the attributes
+        let shape = Builtin::of(name, params).map_err(|reason| format!("params {reason}"))?;
+        let bytes = BYTES * shape.vertices();
+        *left = left.checked_sub(bytes).ok_or_else(files::too_large)?;
+        return Ok(Source {
+            texture: attributes.texture,
+            ..shape.source()
+        });
+    }
     let Some(path) = &mesh.path else {
         return Ok(attributes);
     };

@@ -53,7 +53,7 @@ pub(super) fn add_body(
     m.body_jntnum.push(body.joints.len());
     m.body_jntadr.push(address(m.njnt(), body.joints.len()));
     for joint in &body.joints {
-        joint::add_joint(m, spec, (id, parent), body, joint)?;
+        joint::add_joint(m, (id, parent), body, joint)?;
     }
     m.body_dofnum.push(m.nv() - first_dof);
     m.body_dofadr.push(address(first_dof, m.nv() - first_dof));
@@ -88,11 +88,7 @@ pub(super) fn add_body(
             .into_iter()
             .chain(kept.fused.iter().map(|(body, _)| *body))
     };
-    if spec.revision.fuses_first()
-        && id > 0
-        && !kept.fused.is_empty()
-        && all().all(|body| from_geoms(body, spec))
-    {
+    if spec.revision.fuses_first() && id > 0 && !kept.fused.is_empty() && all().all(from_geoms) {
         inertia = inertia_of(body, false, spec, &parts)?;
     }
     let count = m.ngeom() - first_geom;
@@ -105,11 +101,11 @@ pub(super) fn add_body(
     m.body_inertia.push(inertia.moments);
 
     for site in &body.sites {
-        geom::add_site(m, spec, id, site, aligned)?;
+        geom::add_site(m, id, site, aligned)?;
     }
     for &(fused, pose) in &kept.fused {
         for site in &fused.sites {
-            geom::add_site(m, spec, id, site, Some(pose))?;
+            geom::add_site(m, id, site, Some(pose))?;
         }
     }
     if m.nbody() > MOST || m.ngeom() > MOST || m.nv() > MOST {
@@ -129,9 +125,9 @@ fn add_geoms(
     body: &Body,
 ) -> Result<Vec<Inertia>> {
     let mut parts = Vec::with_capacity(body.geoms.len());
-    let [first, last] = spec.compiler.inertia_groups;
+    let [first, last] = body.compiler.inertia_groups;
     // the world has no mass
-    let weighs = !std::ptr::eq(body, &raw const spec.bodies[0]) && from_geoms(body, spec);
+    let weighs = !std::ptr::eq(body, &raw const spec.bodies[0]) && from_geoms(body);
     for geom in &body.geoms {
         let part = geom::add_geom(m, spec, meshes, id, geom)?;
         if weighs && (first..=last).contains(&geom.group) {
@@ -147,7 +143,7 @@ fn aligns(spec: &Spec, body: &Body) -> bool {
     let [joint] = &body.joints[..] else {
         return false;
     };
-    let asked = joint.align.unwrap_or(spec.compiler.align_free);
+    let asked = joint.align.unwrap_or(body.compiler.align_free);
     let is_parent = |id: usize| std::ptr::eq(body, &raw const spec.bodies[id]);
     joint.kind == JointType::Free
         && asked
@@ -183,8 +179,8 @@ pub(super) fn address(next: usize, count: usize) -> i32 {
 }
 
 /// Whether the geoms of a body give its inertia.
-fn from_geoms(body: &Body, spec: &Spec) -> bool {
-    let stated = spec.compiler.inertia_from_geom;
+fn from_geoms(body: &Body) -> bool {
+    let stated = body.compiler.inertia_from_geom;
     stated.unwrap_or(body.inertial.is_none())
 }
 
@@ -192,13 +188,13 @@ fn from_geoms(body: &Body, spec: &Spec) -> bool {
 ///
 /// Without both, the inertial frame is the body's frame in its parent, as in MuJoCo.
 fn inertia_of(body: &Body, world: bool, spec: &Spec, parts: &[Inertia]) -> Result<Inertia> {
-    let compiler = &spec.compiler;
+    let compiler = &body.compiler;
     let heavy = parts.iter().filter(|part| part.mass > EPS);
     let heavy: Vec<Inertia> = heavy.copied().collect();
     let combined = inertia::combine(&heavy, spec.revision);
     let (mut inertia, place) = match (combined, &body.inertial) {
         (Some(combined), _) => (combined, &body.place),
-        (None, Some(inertial)) => (explicit(inertial, spec), &inertial.place),
+        (None, Some(inertial)) => (explicit(inertial, body, spec), &inertial.place),
         (None, None) => {
             let (pos, quat) = (body.pos, body.orientation.resolve(compiler));
             (
@@ -233,9 +229,9 @@ fn inertia_of(body: &Body, world: bool, spec: &Spec, parts: &[Inertia]) -> Resul
     Ok(inertia)
 }
 
-fn explicit(inertial: &Inertial, spec: &Spec) -> Inertia {
+fn explicit(inertial: &Inertial, body: &Body, spec: &Spec) -> Inertia {
     let (moments, quat) = match inertial.moments {
-        Moments::Principal(moments) => (moments, inertial.orientation.resolve(&spec.compiler)),
+        Moments::Principal(moments) => (moments, inertial.orientation.resolve(&body.compiler)),
         Moments::Full(full) => inertia::principal_axes(full, spec.revision),
     };
     Inertia {

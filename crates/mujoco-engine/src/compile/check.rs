@@ -118,7 +118,7 @@ fn lengths(m: &CompiledModel) -> Result<()> {
         m, m.ngeom(),
         geom_bodyid geom_contype geom_conaffinity geom_condim geom_priority geom_size geom_rbound
         geom_pos geom_quat geom_friction geom_solmix geom_solref geom_solimp geom_margin geom_gap
-        geom_rgba geom_group geom_matid geom_fluid
+        geom_rgba geom_group geom_matid geom_fluid geom_surfacevel
     );
     same_length!(m, m.mat_rgba.len(), mat_texid mat_texrepeat mat_texuniform mat_emission mat_specular mat_shininess);
     same_length!(m, m.nsite(), site_pos site_quat site_type site_size site_rgba site_group);

@@ -34,6 +34,7 @@ impl CompiledModel {
             nv, SOLIMP => dof_solimp;
             ngeom, Fluid::default() => geom_fluid;
             ngeom, -1 => geom_dataid;
+            ngeom, [0.0; 6] => geom_surfacevel;
             ncam, 0 => cam_projection;
             ncam, [1; 2] => cam_resolution;
             ncam, [0.0; 2] => cam_sensorsize;

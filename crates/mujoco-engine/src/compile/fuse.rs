@@ -25,7 +25,7 @@ pub(super) fn kept(spec: &Spec) -> Vec<Kept<'_>> {
     // the compiled id of each body, and the pose of a fused one
     let mut places: Vec<(usize, Option<Frame>)> = Vec::with_capacity(spec.bodies.len());
     for (id, body) in spec.bodies.iter().enumerate() {
-        let own = (body.pos, body.orientation.resolve(&spec.compiler));
+        let own = (body.pos, body.orientation.resolve(&body.compiler));
         let own = within(body.frame, own);
         if id == 0 {
             kept.push(Kept {

@@ -31,7 +31,7 @@ pub(super) fn add_geom(
     }
     let own = match geom.fromto {
         None => {
-            let quat = geom.orientation.resolve(&spec.compiler);
+            let quat = geom.orientation.resolve(&geom.compiler);
             (geom.pos.unwrap_or_default(), quat)
         }
         Some(ends) => {
@@ -128,6 +128,7 @@ pub(super) fn add_geom(
     } else {
         Fluid::default()
     });
+    m.geom_surfacevel.push(geom.surface_velocity);
     m.geom_pos.push(pos);
     m.geom_quat.push(quat);
     m.geom_friction.push(geom.friction);
@@ -270,7 +271,6 @@ pub(super) fn single(rgba: [f64; 4]) -> [f64; 4] {
 /// Adds a site; `outer` is the frame of the text's body in the compiled one.
 pub(super) fn add_site(
     m: &mut CompiledModel,
-    spec: &Spec,
     body: usize,
     site: &Site,
     outer: Option<Frame>,
@@ -281,7 +281,7 @@ pub(super) fn add_site(
     let mut size = site.size;
     let own = match site.fromto {
         Some(ends) => between(&site.place, ends, &mut size, false)?,
-        None => (site.pos, site.orientation.resolve(&spec.compiler)),
+        None => (site.pos, site.orientation.resolve(&site.compiler)),
     };
     if site.fromto.is_some() && ![3, 4, 5, 6].contains(&site.shape) {
         let reason = "only capsules, cylinders, ellipsoids and boxes have ends";

@@ -2,18 +2,22 @@
 
 use crate::Result;
 use crate::mjcf::orientation::{IDENTITY, turned, unit, within};
-use crate::mjcf::spec::{Body, Joint, Spec};
+use crate::mjcf::spec::{Body, Joint};
 use crate::model::{CompiledModel, JointType};
 
 /// Adds a joint of a body.
 pub(super) fn add_joint(
     m: &mut CompiledModel,
-    spec: &Spec,
     (body_id, parent): (usize, usize),
     body: &Body,
     joint: &Joint,
 ) -> Result<()> {
-    let Joint { place, kind, .. } = joint;
+    let Joint {
+        place,
+        kind,
+        compiler,
+        ..
+    } = joint;
     let (free, ball) = (*kind == JointType::Free, *kind == JointType::Ball);
     let names = ["range", "limited"];
     let range = if ball {
@@ -23,14 +27,20 @@ pub(super) fn add_joint(
         joint.range
     };
     let unlimited = free || (ball && joint.range == [0.0; 2] && joint.limited.is_none());
-    let limited = !unlimited && super::limited(joint.limited, range, spec, place, names)?;
+    let limited = !unlimited && super::limited(joint.limited, range, compiler, place, names)?;
     if ball && limited && joint.range[0] != 0.0 {
         return Err(place.attribute("range", "of a ball joint begins with 0"));
     }
     let names = ["actuatorfrcrange", "actuatorfrclimited"];
     let force_limited = !free
         && !ball
-        && super::limited(joint.force_limited, joint.force_range, spec, place, names)?;
+        && super::limited(
+            joint.force_limited,
+            joint.force_range,
+            compiler,
+            place,
+            names,
+        )?;
     if free && parent != 0 {
         let reason = "a free joint belongs to a body directly in the world";
         return Err(place.attribute("type", reason));
@@ -43,7 +53,7 @@ pub(super) fn add_joint(
     if turned_by_ball && matches!(kind, JointType::Ball | JointType::Hinge) {
         return Err(place.attribute("type", "nothing that turns follows a ball joint"));
     }
-    let to_radians = spec.compiler.degree && matches!(kind, JointType::Hinge | JointType::Ball);
+    let to_radians = compiler.degree && matches!(kind, JointType::Hinge | JointType::Ball);
     let angle = |x: f64| {
         if to_radians {
             x * (std::f64::consts::PI / 180.0)

@@ -48,7 +48,7 @@ use self::fuse::Kept;
 use self::inertia::MINVAL;
 use crate::math::libm;
 use crate::mjcf::orientation::{IDENTITY, turned, within};
-use crate::mjcf::spec::{Body, Frame, Spec, Statistic};
+use crate::mjcf::spec::{Body, Compiler, Frame, Spec, Statistic};
 use crate::mjcf::xml::Place;
 use crate::model::{CompiledModel, ObjectType};
 use crate::{Model, Result};
@@ -169,7 +169,7 @@ fn add_looks(
             m.cam_mode.push(camera.mode);
             m.cam_bodyid.push(id);
             m.cam_targetbodyid.push(target.map_or(-1, |id| id as i32));
-            let own = (camera.pos, camera.orientation.resolve(&spec.compiler));
+            let own = (camera.pos, camera.orientation.resolve(&camera.compiler));
             let (pos, quat) = within(outer, within(camera.frame, own));
             m.cam_pos.push(pos);
             m.cam_quat.push(quat);
@@ -233,7 +233,8 @@ fn check_names(spec: &Spec) -> Result<()> {
         .equalities
         .iter()
         .map(|x| ("equality", &x.name, &x.place));
-    let keys = spec.keys.iter().map(|x| ("key", &x.name, &x.place));
+    let keys = spec.keys.iter().chain(&spec.attached_keys);
+    let keys = keys.map(|x| ("key", &x.name, &x.place));
     let others = actuators.chain(tendons).chain(sensors);
     let others = others.chain(equalities).chain(keys);
     for (kind, name, place) in of_bodies.chain(others) {
@@ -250,14 +251,14 @@ fn check_names(spec: &Spec) -> Result<()> {
 fn limited(
     stated: Option<bool>,
     range: [f64; 2],
-    spec: &Spec,
+    compiler: &Compiler,
     place: &Place,
     [range_name, flag]: [&str; 2],
 ) -> Result<bool> {
     let limited = match stated {
         Some(limited) => limited,
         None if range == [0.0; 2] => false,
-        None if spec.compiler.autolimits => true,
+        None if compiler.autolimits => true,
         None => {
             let reason = format!("needs {flag}=\"true\" here, where autolimits is false");
             return Err(place.attribute(range_name, reason));

@@ -13,9 +13,9 @@ impl Model {
     /// | all | `include`; `default` classes and `childclass`; orientations by quat, axisangle, xyaxes, zaxis and euler |
     /// | `compiler` | angle, eulerseq, autolimits, inertiafromgeom, inertiagrouprange, balanceinertia, boundmass, boundinertia, settotalmass, meshdir, assetdir, strippath, fitaabb, fusestatic, discardvisual, alignfree, coordinate="local" |
     /// | `option` | timestep, gravity, wind, magnetic, density, viscosity, cone, impratio, solver, iterations, ls_iterations, tolerance, noslip_iterations, noslip_tolerance, integrator, `flag` |
-    /// | bodies | `body` (mocap, gravcomp), `frame`, `replicate`, `inertial`; all joints with springs, dampers, dry friction, limits, align; sites, all cameras and lights |
-    /// | `geom` | plane, hfield, sphere, capsule, ellipsoid, cylinder, box; fluidshape; all contact parameters; meshes, and shapes fitted to them |
-    /// | `asset` | mesh, of a file (STL, OBJ, MSH) or of vertices in the text: scale, refpos, refquat, inertia, smoothnormal, maxhullvert; hfield, of a file (PNG, or MuJoCo's binary) or of elevations in the text |
+    /// | bodies | `body` (mocap, gravcomp), `frame`, `replicate`, `attach`, `inertial`; all joints with springs, dampers, dry friction, limits, align; sites, all cameras and lights |
+    /// | `geom` | plane, hfield, sphere, capsule, ellipsoid, cylinder, box; fluidshape; surfacevel; all contact parameters; meshes, and shapes fitted to them |
+    /// | `asset` | model, for `attach`; mesh, of a file (STL, OBJ, MSH), of vertices in the text or builtin (sphere, hemisphere, supersphere, supertorus, cone): scale, refpos, refquat, inertia, smoothnormal, maxhullvert; hfield, of a file (PNG, or MuJoCo's binary) or of elevations in the text |
     /// | `contact` | pair, exclude |
     /// | `equality` | connect, weld, joint, tendon |
     /// | `tendon` | fixed, spatial (sites, pulleys, spheres and cylinders with side sites); springs, dampers, armature, limits |
@@ -27,15 +27,15 @@ impl Model {
     /// `statistic` and `size` are read as in MuJoCo; `visual`, `custom`, `user` and skins are
     /// ignored. Text that is not quite XML (attributes without a space between them, `&` in values,
     /// `--` in comments) is read where libmujoco reads it, and a file that is a part of a model, with
-    /// `body` outermost, is a model without the part. What refers to a part of a `replicate` is copied
-    /// with it.
+    /// `body` outermost, is a model without the part. What refers to a part of a `replicate`, or to an
+    /// attached part, is copied with it. Options of attached models have no effect.
     ///
-    /// Errors are composites, flexes, plugins, signed distance fields, models within models (`model`,
-    /// `attach`), sleeping (`flag sleep`, unless all bodies stay awake), surface velocities and adhesion
-    /// of geoms, delays, polynomial springs and dampers, the actuators dcmotor, pid and orientation, and
-    /// the sensors user, tactile and plugin. So are more than 1000 objects of a kind other than sites,
-    /// more than 200,000 elements in bodies, and more than 8 MiB of their names, all with the copies that
-    /// `replicate` makes; and files of meshes or of height fields with more than 256 MiB together.
+    /// Errors are composites, flexes, plugins, signed distance fields, sleeping (`flag sleep`, unless all
+    /// bodies stay awake), adhesion of geoms, delays, polynomial springs and dampers, the actuators
+    /// dcmotor, pid and orientation, and the sensors user, tactile and plugin. So are more than 1000
+    /// objects of a kind other than sites, more than 200,000 elements in bodies, and more than 8 MiB of
+    /// their names, all with the copies that `replicate` and `attach` make; more than 10 models within
+    /// each other; and files of meshes or of height fields with more than 256 MiB together.
     ///
     /// # Errors
     /// [`Error::Mjcf`] for text that is not XML, for anything outside the supported part of MJCF,

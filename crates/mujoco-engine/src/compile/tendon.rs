@@ -17,7 +17,8 @@ pub(super) fn add_tendons(m: &mut CompiledModel, spec: &Spec) -> Result<()> {
         }
         let first = m.wrap_type.len() - tendon.wraps.len();
         check_path(place, &m.wrap_type[first..])?;
-        let limited = |stated, range, names| super::limited(stated, range, spec, place, names);
+        let limited =
+            |stated, range, names| super::limited(stated, range, &tendon.compiler, place, names);
         let of_range = limited(tendon.limited, tendon.range, ["range", "limited"])?;
         // before 4.0, a force range without `limited` does not limit the force
         let old = !spec.revision.limits_by_force_range();

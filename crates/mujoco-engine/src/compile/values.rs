@@ -109,7 +109,7 @@ fn all_finite(m: &CompiledModel) -> Result<()> {
             tendon_range tendon_actfrcrange tendon_lengthspring tendon_solref_lim tendon_solimp_lim
             tendon_solref_fri tendon_solimp_fri eq_solref eq_solimp eq_data pair_solref
             pair_solreffriction pair_solimp pair_friction cam_pos cam_quat cam_sensorsize cam_intrinsic
-            geom_aabb;
+            geom_aabb geom_surfacevel;
         lists: key_qpos key_qvel key_ctrl key_act key_mpos key_mquat;
         parameters: actuator_dynprm actuator_gainprm actuator_biasprm geom_fluid
     );

@@ -3,9 +3,9 @@
 use std::rc::Rc;
 
 use super::MOST;
-use super::defaults::Classes;
-use super::orientation::{Orientation, unit, within};
-use super::spec::{Body, Frame, Inertial, Joint, Sleep, Spec};
+use super::attach::{Attach, Scope};
+use super::orientation::{IDENTITY, Orientation, unit, within};
+use super::spec::{Attached, Body, Frame, Inertial, Joint, Sleep, Spec};
 use super::xml::Element;
 use crate::Result;
 use crate::math::spatial::{InTurn, Order, add, rotate};
@@ -18,7 +18,6 @@ const MOST_BYTES: usize = 8 << 20;
 /// Reads the bodies of the world.
 pub(crate) struct Bodies<'s> {
     spec: &'s mut Spec,
-    classes: &'s Classes,
     elements: usize,
     geoms: usize,
     joints: usize,
@@ -43,19 +42,35 @@ impl Bytes {
     }
 }
 
-/// A `body`, `frame` or `replicate` whose child elements are being read.
-struct Open<'a, 'input> {
-    element: Element<'a, 'input>,
-    children: std::vec::IntoIter<Element<'a, 'input>>,
-    /// The body that the child elements belong to.
+/// What elements inherit from those around them.
+#[derive(Clone)]
+struct Around<'s, 'a, 'input> {
+    /// The body that the elements belong to.
     id: usize,
-    /// The default class of child elements that name no class.
+    /// The default class of elements that name no class.
     class: usize,
-    /// The frame that positions of child elements refer to.
+    /// The frame that positions refer to.
     frame: Option<Frame>,
+    /// What stands before names, if the elements are attached.
+    prefix: Rc<str>,
+    /// What stands before the names of assets: attached parts of the same model share them.
+    assets: Rc<str>,
     /// The suffix of names, with the number of the copy.
     suffix: Rc<str>,
+    /// The model that has the elements.
+    scope: &'s Scope<'a, 'input>,
+    /// Whether an element `attach` is around.
+    attached: bool,
+}
+
+/// A `body`, `frame`, `replicate` or `attach` whose child elements are being read.
+struct Open<'s, 'a, 'input> {
+    element: Element<'a, 'input>,
+    children: std::vec::IntoIter<Element<'a, 'input>>,
+    around: Around<'s, 'a, 'input>,
     copies: Option<Copies>,
+    /// The number of what is attached, if the element is.
+    attached: Option<usize>,
 }
 
 /// The copies that an element `replicate` makes.
@@ -71,25 +86,22 @@ struct Copies {
     outer: (Option<Frame>, Rc<str>),
 }
 
-impl<'a, 'input> Open<'a, 'input> {
-    fn new(element: Element<'a, 'input>, id: usize, class: usize) -> Result<Self> {
+impl<'s, 'a, 'input> Open<'s, 'a, 'input> {
+    fn new(element: Element<'a, 'input>, around: Around<'s, 'a, 'input>) -> Result<Self> {
         Ok(Self {
             children: element.children()?.into_iter(),
             element,
-            id,
-            class,
-            frame: None,
-            suffix: Rc::default(),
+            around,
             copies: None,
+            attached: None,
         })
     }
 }
 
 impl<'s> Bodies<'s> {
-    pub(crate) fn new(spec: &'s mut Spec, classes: &'s Classes) -> Self {
+    pub(crate) fn new(spec: &'s mut Spec) -> Self {
         Self {
             spec,
-            classes,
             elements: 0,
             geoms: 0,
             joints: 0,
@@ -99,19 +111,34 @@ impl<'s> Bodies<'s> {
 
     /// Reads the bodies of the world, each after its parent and before its children. The function
     /// does not recurse, because deep nesting would overflow the stack.
-    pub(crate) fn read(mut self, world: Element<'_, '_>) -> Result<()> {
-        let mut open = vec![Open::new(world, 0, 0)?];
-        while let Some(around) = open.last_mut() {
-            let Some(child) = around.children.next() else {
-                if self.next_copy(around)? {
-                    self.count(&around.element)?;
+    pub(crate) fn read(&mut self, world: Element<'_, '_>, scope: &Scope<'_, '_>) -> Result<()> {
+        let around = Around {
+            id: 0,
+            class: 0,
+            frame: None,
+            prefix: Rc::default(),
+            assets: Rc::default(),
+            suffix: Rc::default(),
+            scope,
+            attached: false,
+        };
+        let mut open = vec![Open::new(world, around)?];
+        while let Some(outer) = open.last_mut() {
+            let Some(child) = outer.children.next() else {
+                if self.next_copy(outer)? {
+                    self.count(&outer.element)?;
                     continue;
                 }
                 if let Some(done) = open.pop() {
+                    if let Some(number) = done.attached {
+                        let attached = &mut self.spec.attached[number];
+                        attached.count = self.spec.bodies.len() - attached.first;
+                    }
                     done.element.finish()?;
                 }
                 continue;
             };
+            let around = &outer.around;
             self.count(&child)?;
             match child.name() {
                 "body" => {
@@ -126,7 +153,11 @@ impl<'s> Bodies<'s> {
                     let copies = self.open_copies(child, around)?;
                     open.push(copies);
                 }
-                _ => self.read_part(child, around)?,
+                "attach" => {
+                    let attached = self.open_attached(child, around)?;
+                    open.push(attached);
+                }
+                _ => self.read_part(child, &outer.element, around)?,
             }
         }
         Ok(())
@@ -143,14 +174,17 @@ impl<'s> Bodies<'s> {
     }
 
     /// Reads the attributes of a body.
-    fn open_body<'a, 'input>(
+    fn open_body<'o, 'a, 'input>(
         &mut self,
         mut element: Element<'a, 'input>,
-        around: &Open<'_, '_>,
-    ) -> Result<Open<'a, 'input>> {
+        around: &Around<'o, 'a, 'input>,
+    ) -> Result<Open<'o, 'a, 'input>> {
+        let classes = &around.scope.classes;
         let mut body = Body {
             place: element.place(),
+            element: element.identity(),
             name: self.named(&mut element, around)?,
+            compiler: classes.get(0).joint.compiler.clone(),
             parent: around.id,
             frame: around.frame,
             ..Body::default()
@@ -159,9 +193,7 @@ impl<'s> Bodies<'s> {
         body.orientation.read(&mut element)?;
         body.mocap = element.flag("mocap")?.unwrap_or(false);
         body.gravcomp = element.number("gravcomp")?.unwrap_or(0.0);
-        let class = self
-            .classes
-            .named(&mut element, "childclass", around.class)?;
+        let class = classes.named(&mut element, "childclass", around.class)?;
         let policies = [
             ("auto", Sleep::Auto),
             ("never", Sleep::Never),
@@ -174,38 +206,98 @@ impl<'s> Bodies<'s> {
         if self.spec.bodies.len() > MOST {
             return Err(element.error(format!("more than {MOST} bodies are not supported")));
         }
-        let mut open = Open::new(element, self.spec.bodies.len() - 1, class)?;
-        open.suffix = around.suffix.clone();
-        Ok(open)
+        let within = Around {
+            id: self.spec.bodies.len() - 1,
+            class,
+            frame: None,
+            ..around.clone()
+        };
+        Open::new(element, within)
     }
 
     /// Reads the attributes of a `frame`. Its child elements belong to the body that contains it.
-    fn open_frame<'a, 'input>(
+    fn open_frame<'o, 'a, 'input>(
         &mut self,
         mut element: Element<'a, 'input>,
-        around: &Open<'_, '_>,
-    ) -> Result<Open<'a, 'input>> {
+        around: &Around<'o, 'a, 'input>,
+    ) -> Result<Open<'o, 'a, 'input>> {
+        let classes = &around.scope.classes;
         let pos = element.numbers("pos")?.unwrap_or_default();
         let mut orientation = Orientation::default();
         orientation.read(&mut element)?;
-        let own = (pos, orientation.resolve(&self.spec.compiler));
+        let own = (pos, orientation.resolve(&classes.get(0).joint.compiler));
         let (pos, quat) = within(around.frame, own);
-        let class = self
-            .classes
-            .named(&mut element, "childclass", around.class)?;
+        let class = classes.named(&mut element, "childclass", around.class)?;
         element.ignore("name");
-        let mut open = Open::new(element, around.id, class)?;
-        open.frame = Some((pos, unit(quat).0));
-        open.suffix = around.suffix.clone();
+        let around = Around {
+            class,
+            frame: Some((pos, unit(quat).0)),
+            ..around.clone()
+        };
+        Open::new(element, around)
+    }
+
+    /// Opens what an element `attach` names: a body, a frame, or the world of a model.
+    fn open_attached<'o, 'a, 'input>(
+        &mut self,
+        element: Element<'a, 'input>,
+        around: &Around<'o, 'a, 'input>,
+    ) -> Result<Open<'o, 'a, 'input>> {
+        let (itself, identity) = (element.again(), element.identity());
+        let attach = Attach::read(element, around.scope)?;
+        let prefix = format!("{}{}", around.prefix, attach.prefix);
+        self.bytes.add(prefix.len(), &itself, "prefix")?;
+        let mut within = Around {
+            class: 0,
+            frame: Some(around.frame.unwrap_or(([0.0; 3], IDENTITY))),
+            prefix: prefix.into(),
+            scope: attach.scope(around.scope),
+            attached: true,
+            ..around.clone()
+        };
+        if attach.model.is_some() {
+            within.assets = within.prefix.clone();
+        }
+        self.spec.copies = true;
+        let is_new = |of: &Attached| of.element != identity;
+        let number = self.spec.attached.len();
+        // keyframes of the model hold for the first of several copies
+        let records = !around.attached && self.spec.attached.iter().all(is_new);
+        if records {
+            self.spec.attached.push(Attached {
+                element: identity,
+                first: self.spec.bodies.len(),
+                count: 0,
+            });
+        }
+        let mut open = match attach.part {
+            Some((ref part, class)) => {
+                let part = part.again();
+                within.class = class;
+                match part.name() {
+                    "body" => self.open_body(part, &within)?,
+                    _ => self.open_frame(part, &within)?,
+                }
+            }
+            None => {
+                let children = attach.children(within.scope)?;
+                let mut open = Open::new(itself, within)?;
+                open.children = children.into_iter();
+                // its attributes are read
+                open.element.ignore("model prefix");
+                open
+            }
+        };
+        open.attached = records.then_some(number);
         Ok(open)
     }
 
     /// Reads the attributes of a `replicate`.
-    fn open_copies<'a, 'input>(
+    fn open_copies<'o, 'a, 'input>(
         &mut self,
         mut element: Element<'a, 'input>,
-        around: &Open<'_, '_>,
-    ) -> Result<Open<'a, 'input>> {
+        around: &Around<'o, 'a, 'input>,
+    ) -> Result<Open<'o, 'a, 'input>> {
         let count = element
             .integer("count")?
             .ok_or_else(|| element.missing("count"))?;
@@ -214,14 +306,17 @@ impl<'s> Bodies<'s> {
             return Err(element.place().attribute("count", reason));
         }
         let (offset, euler) = (element.numbers("offset")?, element.numbers("euler")?);
-        let class = self
-            .classes
-            .named(&mut element, "childclass", around.class)?;
+        let classes = &around.scope.classes;
+        let class = classes.named(&mut element, "childclass", around.class)?;
         let separator = element.text("sep")?.unwrap_or_default();
         // MuJoCo takes this attribute and does nothing with it
         element.ignore("prefix");
-        self.spec.replicates = true;
-        let mut open = Open::new(element, around.id, class)?;
+        self.spec.copies = true;
+        let inner = Around {
+            class,
+            ..around.clone()
+        };
+        let mut open = Open::new(element, inner)?;
         open.children = Vec::new().into_iter();
         open.copies = Some(Copies {
             count,
@@ -236,7 +331,7 @@ impl<'s> Bodies<'s> {
     }
 
     /// Begins the next copy; returns whether there is one.
-    fn next_copy(&mut self, open: &mut Open<'_, '_>) -> Result<bool> {
+    fn next_copy(&mut self, open: &mut Open<'_, '_, '_>) -> Result<bool> {
         let Some(copies) = &mut open.copies else {
             return Ok(false);
         };
@@ -246,7 +341,8 @@ impl<'s> Bodies<'s> {
         let number = copies.next;
         copies.next += 1;
         let euler = copies.euler.map(|angle| number as f64 * angle);
-        let quat = Orientation::of_euler(euler).resolve(&self.spec.compiler);
+        let compiler = &open.around.scope.classes.get(0).joint.compiler;
+        let quat = Orientation::of_euler(euler).resolve(compiler);
         let own = (copies.pos, quat);
         // MuJoCo turns the offset to the next copy by this copy's Euler angles
         copies.pos = add(
@@ -254,51 +350,56 @@ impl<'s> Bodies<'s> {
             rotate(&InTurn::quat_to_mat(quat), copies.offset),
         );
         let (pos, quat) = within(copies.outer.0, own);
-        open.frame = Some((pos, unit(quat).0));
+        open.around.frame = Some((pos, unit(quat).0));
         let digits = copies.count.to_string().len();
         let (separator, outer) = (&copies.separator, &copies.outer.1);
         let length = separator.len() + digits + outer.len();
         self.bytes.add(length, &open.element, "sep")?;
-        open.suffix = format!("{separator}{number:0digits$}{outer}").into();
+        open.around.suffix = format!("{separator}{number:0digits$}{outer}").into();
         open.children = open.element.children()?.into_iter();
         Ok(true)
     }
 
-    /// The name of an element, with the suffix of its copy.
+    /// The name of an element, with the prefix of its model and the suffix of its copy.
     fn named(
         &mut self,
         element: &mut Element<'_, '_>,
-        around: &Open<'_, '_>,
+        around: &Around<'_, '_, '_>,
     ) -> Result<Option<String>> {
-        let Some(name) = element.text("name")? else {
-            return Ok(None);
-        };
-        let length = name.len() + around.suffix.len();
-        self.bytes.add(length, element, "name")?;
-        Ok(Some(name + &around.suffix))
+        let mut name = element.text("name")?;
+        self.complete(&mut name, element, "name", (&around.prefix, &around.suffix))?;
+        Ok(name)
     }
 
-    /// Adds the suffix of the copy to the target of a camera or light.
-    fn suffix_target(
+    /// Adds a prefix and a suffix to a name, if there is one.
+    fn complete(
         &mut self,
-        target: &mut Option<String>,
+        name: &mut Option<String>,
         element: &Element<'_, '_>,
-        around: &Open<'_, '_>,
+        attribute: &str,
+        (prefix, suffix): (&str, &str),
     ) -> Result<()> {
-        if let Some(name) = target {
-            let length = name.len() + around.suffix.len();
-            self.bytes.add(length, element, "target")?;
-            name.push_str(&around.suffix);
+        if let Some(name) = name {
+            let length = prefix.len() + name.len() + suffix.len();
+            self.bytes.add(length, element, attribute)?;
+            name.insert_str(0, prefix);
+            name.push_str(suffix);
         }
         Ok(())
     }
 
     /// Reads an element of a body that contains no bodies.
-    fn read_part(&mut self, mut child: Element<'_, '_>, around: &Open<'_, '_>) -> Result<()> {
-        const IN_BODIES: [&str; 10] = [
+    fn read_part(
+        &mut self,
+        mut child: Element<'_, '_>,
+        outer: &Element<'_, '_>,
+        around: &Around<'_, '_, '_>,
+    ) -> Result<()> {
+        const IN_BODIES: [&str; 11] = [
             "body",
             "frame",
             "replicate",
+            "attach",
             "geom",
             "site",
             "camera",
@@ -307,17 +408,17 @@ impl<'s> Bodies<'s> {
             "freejoint",
             "inertial",
         ];
-        let (id, frame) = (around.id, around.frame);
+        let (id, frame, classes) = (around.id, around.frame, &around.scope.classes);
         // the last three are not allowed in the world
-        let supported = &IN_BODIES[..if id == 0 { 7 } else { 10 }];
+        let supported = &IN_BODIES[..if id == 0 { 8 } else { 11 }];
         if !supported.contains(&child.name()) {
-            return Err(around.element.unsupported(&child, supported));
+            return Err(outer.unsupported(&child, supported));
         }
         let class = match child.name() {
             "freejoint" | "inertial" => around.class,
-            _ => self.classes.named(&mut child, "class", around.class)?,
+            _ => classes.named(&mut child, "class", around.class)?,
         };
-        let class = self.classes.get(class);
+        let class = classes.get(class);
         let name = match child.name() {
             "inertial" => None,
             _ => self.named(&mut child, around)?,
@@ -338,7 +439,14 @@ impl<'s> Bodies<'s> {
                 let mut geom = class.geom.clone();
                 (geom.name, geom.frame) = (name, frame);
                 geom.read(&mut child)?;
-                parts.geoms.push(geom);
+                for (attribute, asset) in [
+                    ("material", &mut geom.material),
+                    ("mesh", &mut geom.mesh),
+                    ("hfield", &mut geom.hfield),
+                ] {
+                    self.complete(asset, &child, attribute, (&around.assets, ""))?;
+                }
+                self.spec.bodies[id].geoms.push(geom);
             }
             "joint" => {
                 let mut joint = class.joint.clone();
@@ -368,7 +476,8 @@ impl<'s> Bodies<'s> {
                 let mut camera = class.camera.clone();
                 (camera.name, camera.frame) = (name, frame);
                 camera.read(&mut child)?;
-                self.suffix_target(&mut camera.target, &child, around)?;
+                let ends = (&*around.prefix, &*around.suffix);
+                self.complete(&mut camera.target, &child, "target", ends)?;
                 let parts = &mut self.spec.bodies[id];
                 parts.cameras.push(camera);
             }
@@ -376,7 +485,8 @@ impl<'s> Bodies<'s> {
                 let mut light = class.light.clone();
                 (light.name, light.frame) = (name, frame);
                 light.read(&mut child)?;
-                self.suffix_target(&mut light.target, &child, around)?;
+                let ends = (&*around.prefix, &*around.suffix);
+                self.complete(&mut light.target, &child, "target", ends)?;
                 let parts = &mut self.spec.bodies[id];
                 parts.lights.push(light);
             }

@@ -1,32 +1,25 @@
-//! Elements that refer to parts of a `replicate`: MuJoCo copies them with each copy of the parts.
+//! Elements that refer to parts that are copied, by `replicate`, or attached: MuJoCo copies them with
+//! the parts.
 
 use std::collections::HashSet;
+use std::rc::Rc;
 
 use super::MOST;
-use super::spec::{Actuator, Equality, Exclude, Pair, Sensor, Spec, Tendon, Wrap};
-use super::xml::{Element, Place};
+use super::attach::{Attach, Parsed, Scope};
+use super::refers::Refers;
+use super::spec::{Key, Mesh, Spec, Stored};
+use super::xml::Element;
 use crate::Result;
-use crate::model::{EqualityType, ObjectType};
+use crate::model::ObjectType;
 
 /// The largest size in bytes of the names in all copies.
 const MOST_BYTES: usize = 8 << 20;
+/// The most numbers of meshes and height fields in texts, with those of attached models.
+const MOST_NUMBERS: usize = 1 << 24;
 
-/// An element that refers to others by their names.
-trait Refers: Clone {
-    /// The kind by which others refer to it; `None` if none do.
-    const KIND: Option<ObjectType> = None;
-    /// Whether a name stays as it is if another one has a copy.
-    const ONE_IS_ENOUGH: bool = true;
-
-    fn place(&self) -> &Place;
-    /// The name of the element, if the reader keeps it.
-    fn name(&mut self) -> Option<&mut String>;
-    /// Visits the names of other elements, with their kinds.
-    fn visit(&mut self, visit: &mut dyn FnMut(ObjectType, &mut String));
-}
-
-/// Copies the elements of `spec` that refer to copied parts of the bodies in `worlds`.
-pub(crate) fn copy_references(spec: &mut Spec, worlds: Vec<Element<'_, '_>>) -> Result<()> {
+/// Copies the elements of `spec` that refer to parts of its bodies that are copied or attached, and
+/// adds what the attached models have besides bodies.
+pub(crate) fn copy_references(spec: &mut Spec, scope: &Scope<'_, '_>) -> Result<()> {
     let mut names = Names::default();
     let tendons = spec.tendons.iter().filter_map(|tendon| tendon.name.clone());
     names
@@ -40,46 +33,72 @@ pub(crate) fn copy_references(spec: &mut Spec, worlds: Vec<Element<'_, '_>>) -> 
         .known
         .extend(actuators.map(|name| (ObjectType::Actuator, name)));
     names.known.insert((ObjectType::Body, "world".to_owned()));
-    let mut open: Vec<Open<'_, '_>> = Vec::new();
-    for world in worlds {
-        open.push(Open::new(world, &names)?);
+    let mut open: Vec<Open<'_, '_, '_>> = Vec::new();
+    for world in &scope.worlds {
+        open.push(Open::new(world.again(), scope, false, &names)?);
         while let Some(around) = open.last_mut() {
+            let (within, scope) = (around.within, around.scope);
             let Some(mut child) = around.children.next() else {
                 if let Some(done) = open.pop() {
-                    names.copy(spec, &done)?;
+                    names.close(spec, done)?;
                 }
                 continue;
             };
-            let kind = match child.name() {
-                "body" => ObjectType::Body,
-                "joint" | "freejoint" => ObjectType::Joint,
-                "geom" => ObjectType::Geom,
-                "site" => ObjectType::Site,
-                "camera" => ObjectType::Camera,
-                _ => ObjectType::Unknown,
-            };
-            if kind != ObjectType::Unknown {
-                names.add(kind, child.text("name")?.as_ref());
+            if child.name() == "attach" {
+                open.push(Open::attached(child, scope, within, &mut names)?);
+                continue;
+            }
+            if let Some(kind) = kind_of(&child) {
+                names.add(kind, child.text("name")?, within);
             }
             if ["body", "frame", "replicate"].contains(&child.name()) {
-                open.push(Open::new(child, &names)?);
+                open.push(Open::new(child, scope, within, &names)?);
             }
         }
     }
     Ok(())
 }
 
+/// The kind of object that an element in bodies is, if others refer to it.
+fn kind_of(element: &Element<'_, '_>) -> Option<ObjectType> {
+    Some(match element.name() {
+        "body" => ObjectType::Body,
+        "joint" | "freejoint" => ObjectType::Joint,
+        "geom" => ObjectType::Geom,
+        "site" => ObjectType::Site,
+        "camera" => ObjectType::Camera,
+        _ => return None,
+    })
+}
+
 /// An element whose children are being visited.
-struct Open<'a, 'input> {
+struct Open<'s, 'a, 'input> {
     children: std::vec::IntoIter<Element<'a, 'input>>,
     /// The number of names before the element.
     first: usize,
     /// The number of copies and the separator.
     copies: Option<(usize, String)>,
+    attaches: Option<Attaching<'s, 'a, 'input>>,
+    scope: &'s Scope<'a, 'input>,
+    /// Whether an element `attach` is around the children.
+    within: bool,
 }
 
-impl<'a, 'input> Open<'a, 'input> {
-    fn new(mut element: Element<'a, 'input>, names: &Names) -> Result<Self> {
+/// An element `attach`.
+struct Attaching<'s, 'a, 'input> {
+    attach: Attach<'s, 'a, 'input>,
+    element: Element<'a, 'input>,
+    /// Whether another one is around it.
+    within: bool,
+}
+
+impl<'s, 'a, 'input> Open<'s, 'a, 'input> {
+    fn new(
+        mut element: Element<'a, 'input>,
+        scope: &'s Scope<'a, 'input>,
+        within: bool,
+        names: &Names,
+    ) -> Result<Self> {
         let copies = match element.name() {
             "replicate" => {
                 let separator = element.text("sep")?.unwrap_or_default();
@@ -96,9 +115,43 @@ impl<'a, 'input> Open<'a, 'input> {
             children: children.into_iter(),
             first: names.of_bodies.len(),
             copies,
+            attaches: None,
+            scope,
+            within,
+        })
+    }
+
+    /// What an element `attach` names.
+    fn attached(
+        element: Element<'a, 'input>,
+        scope: &'s Scope<'a, 'input>,
+        within: bool,
+        names: &mut Names,
+    ) -> Result<Self> {
+        let attach = Attach::read(element.again(), scope)?;
+        let (scope, first) = (attach.scope(scope), names.of_bodies.len());
+        if let Some((part, _)) = &attach.part
+            && let Some(kind) = kind_of(part)
+        {
+            names.add(kind, part.again().text("name")?, true);
+        }
+        Ok(Self {
+            children: attach.children(scope)?.into_iter(),
+            first,
+            copies: None,
+            attaches: Some(Attaching {
+                attach,
+                element,
+                within,
+            }),
+            scope,
+            within: true,
         })
     }
 }
+
+/// What stands before and after names.
+type Ends<'s> = (&'s str, &'s str);
 
 /// The names so far.
 #[derive(Default)]
@@ -107,40 +160,109 @@ struct Names {
     of_bodies: Vec<(ObjectType, String)>,
     known: HashSet<(ObjectType, String)>,
     bytes: usize,
+    /// How many numbers of assets are in texts.
+    numbers: usize,
 }
 
 impl Names {
-    /// Adds the name of a part of a body.
-    fn add(&mut self, kind: ObjectType, name: Option<&String>) {
+    /// Adds the name of a part of a body. Within an element `attach` others do not know it yet.
+    fn add(&mut self, kind: ObjectType, name: Option<String>, within: bool) {
         let Some(name) = name else { return };
-        self.of_bodies.push((kind, name.clone()));
-        self.known.insert((kind, name.clone()));
+        if !within {
+            self.known.insert((kind, name.clone()));
+        }
+        self.of_bodies.push((kind, name));
+    }
+
+    /// Ends an element.
+    fn close(&mut self, spec: &mut Spec, done: Open<'_, '_, '_>) -> Result<()> {
+        let (first, within) = (done.first, done.within);
+        if let Some((count, separator)) = done.copies {
+            self.copy(spec, (first, within), count, &separator)?;
+        }
+        match done.attaches {
+            Some(done) => self.attach(spec, first, &done),
+            None => Ok(()),
+        }
+    }
+
+    /// Puts the prefix of an element `attach` before the names within it, and adds the elements that
+    /// refer to them, and what the model has besides.
+    fn attach(
+        &mut self,
+        spec: &mut Spec,
+        first: usize,
+        done: &Attaching<'_, '_, '_>,
+    ) -> Result<()> {
+        let Attaching {
+            attach,
+            element,
+            within,
+        } = done;
+        for (kind, name) in self.of_bodies.split_off(first) {
+            self.add(kind, Some(format!("{}{name}", attach.prefix)), *within);
+        }
+        // what refers to parts of a model within another is in the other one's lists
+        if *within {
+            return Ok(());
+        }
+        let (ends, identity) = ((&*attach.prefix, ""), element.identity());
+        let Some(Parsed { spec: model, .. }) = attach.model else {
+            return self.copy_lists(spec, None, ends);
+        };
+        if let (false, Some(option)) = (spec.compiler.keeps_options, &model.optional) {
+            let reason =
+                "not supported in an attached model, unless this one has conflict=\"warning\"";
+            return Err(option.error(reason));
+        }
+        let all = spec.attached.iter();
+        let number = all
+            .take_while(|attached| attached.element != identity)
+            .count();
+        self.add_assets(spec, model, ends, element)?;
+        self.copy_lists(spec, Some((model, number)), ends)?;
+        if model.keys.is_empty() && model.attached_keys.is_empty() {
+            return Ok(());
+        }
+        if !model.attached_keys.is_empty() {
+            let reason = "not supported: the model attaches another one that has keyframes";
+            return Err(element.error(reason));
+        }
+        let start = match &attach.part {
+            None => Some(1),
+            Some((part, _)) => first_body(part)?.and_then(|first| {
+                let mut bodies = model.bodies.iter();
+                bodies.position(|body| body.element == first)
+            }),
+        };
+        add_keys(spec, model, (number, start), ends, element)
     }
 
     /// Replaces the names within a `replicate` by those of its copies, and copies the elements that
     /// refer to them.
-    fn copy(&mut self, spec: &mut Spec, done: &Open<'_, '_>) -> Result<()> {
-        let Some((count, separator)) = &done.copies else {
-            return Ok(());
-        };
-        let original = self.of_bodies.split_off(done.first);
+    fn copy(
+        &mut self,
+        spec: &mut Spec,
+        (first, within): (usize, bool),
+        count: usize,
+        separator: &str,
+    ) -> Result<()> {
+        let original = self.of_bodies.split_off(first);
         let digits = count.to_string().len();
-        for number in 0..*count {
+        for number in 0..count {
             let suffix = format!("{separator}{number:0digits$}");
             for (kind, name) in &original {
-                self.add(*kind, Some(&format!("{name}{suffix}")));
+                self.add(*kind, Some(format!("{name}{suffix}")), within);
             }
-            self.copy_list(&mut spec.pairs, &suffix)?;
-            self.copy_list(&mut spec.excludes, &suffix)?;
-            self.copy_list(&mut spec.tendons, &suffix)?;
-            let parts: usize = spec.tendons.iter().map(|tendon| tendon.wraps.len()).sum();
-            if let Some(last) = spec.tendons.last().filter(|_| parts > MOST) {
-                let reason = format!("more than {MOST} parts of tendons are not supported");
-                return Err(last.place.error(reason));
+            if !within {
+                self.copy_lists(spec, None, ("", &suffix))?;
             }
-            self.copy_list(&mut spec.equalities, &suffix)?;
-            self.copy_list(&mut spec.actuators, &suffix)?;
-            self.copy_list(&mut spec.sensors, &suffix)?;
+        }
+        if within {
+            return Ok(());
+        }
+        if !spec.revision.keeps_attached_controls() {
+            spec.actuators.iter_mut().for_each(|of| of.stored = None);
         }
         for name in &original {
             self.known.remove(name);
@@ -158,21 +280,58 @@ impl Names {
         Ok(())
     }
 
-    /// Adds a copy of each element whose references exist with the suffix.
-    fn copy_list<T: Refers>(&mut self, list: &mut Vec<T>, suffix: &str) -> Result<()> {
-        for i in 0..list.len() {
-            let (mut copy, mut bytes) = (list[i].clone(), 0);
+    /// Copies the elements that refer to others: of the model itself, or of one that it attaches, with
+    /// the number of the attachment.
+    fn copy_lists(
+        &mut self,
+        spec: &mut Spec,
+        from: Option<(&Spec, usize)>,
+        ends: Ends<'_>,
+    ) -> Result<()> {
+        macro_rules! copy {
+            ($list: ident) => {
+                let of = from.map(|(model, number)| (&model.$list[..], number));
+                self.copy_list(&mut spec.$list, of, ends)?;
+            };
+        }
+        copy!(pairs);
+        copy!(excludes);
+        copy!(tendons);
+        let parts: usize = spec.tendons.iter().map(|tendon| tendon.wraps.len()).sum();
+        if let Some(last) = spec.tendons.last().filter(|_| parts > MOST) {
+            let reason = format!("more than {MOST} parts of tendons are not supported");
+            return Err(last.place.error(reason));
+        }
+        copy!(equalities);
+        copy!(actuators);
+        copy!(sensors);
+        Ok(())
+    }
+
+    /// Adds a copy of each element whose references exist with the prefix and suffix.
+    fn copy_list<T: Refers>(
+        &mut self,
+        list: &mut Vec<T>,
+        from: Option<(&[T], usize)>,
+        (prefix, suffix): Ends<'_>,
+    ) -> Result<()> {
+        let count = from.map_or(list.len(), |(from, _)| from.len());
+        for i in 0..count {
+            let original = match from {
+                Some((from, _)) => &from[i],
+                None => &list[i],
+            };
+            let (mut copy, mut bytes) = (original.clone(), 0);
             // the numbers of names with a copy, without, and of those that do not exist at all
             let (mut copied, mut kept, mut missing) = (0, 0, 0);
             copy.visit(&mut |kind, name| {
-                let length = name.len();
-                name.push_str(suffix);
-                bytes += name.len();
-                if self.known.contains(&(kind, name.clone())) {
+                let complete = format!("{prefix}{name}{suffix}");
+                bytes += complete.len();
+                if self.known.contains(&(kind, complete.clone())) {
                     copied += 1;
+                    *name = complete;
                     return;
                 }
-                name.truncate(length);
                 match self.known.contains(&(kind, name.clone())) {
                     true => kept += 1,
                     false => missing += 1,
@@ -185,20 +344,120 @@ impl Names {
             self.bytes += bytes;
             if list.len() == MOST || self.bytes > MOST_BYTES {
                 let reason = format!(
-                    "with the copies that replicate makes, there are more than {MOST} of these, or more than {MOST_BYTES} bytes of names"
+                    "with the copies that replicate and attach make, there are more than {MOST} of these, or more than {MOST_BYTES} bytes of names"
                 );
                 return Err(copy.place().error(reason));
             }
             if let Some(name) = copy.name() {
-                name.push_str(suffix);
+                *name = format!("{prefix}{name}{suffix}");
                 if let Some(kind) = T::KIND {
                     self.known.insert((kind, name.clone()));
                 }
+            }
+            match (from, copy.stored()) {
+                (Some((_, number)), Some(stored)) => *stored = Some((number, i)),
+                // the numbers of a key go on to the first copy
+                (None, Some(_)) => drop(list[i].stored().map(Option::take)),
+                (_, None) => {}
             }
             list.push(copy);
         }
         Ok(())
     }
+
+    /// Adds the assets of an attached model.
+    fn add_assets(
+        &mut self,
+        spec: &mut Spec,
+        model: &Spec,
+        (prefix, _): Ends<'_>,
+        element: &Element<'_, '_>,
+    ) -> Result<()> {
+        let numbers = |mesh: &Mesh| {
+            mesh.vertices.len() + mesh.normals.len() + mesh.texture.len() + mesh.faces.len()
+        };
+        let numbers: usize = model.meshes.iter().map(numbers).sum();
+        let elevations = model.hfields.iter().map(|field| field.elevations.len());
+        self.numbers += numbers + elevations.sum::<usize>();
+        if self.numbers > MOST_NUMBERS {
+            let reason = format!(
+                "with all attached models, meshes and height fields have more than {MOST_NUMBERS} numbers in texts: use files"
+            );
+            return Err(element.error(reason));
+        }
+        macro_rules! add {
+            ($list: ident) => {
+                for asset in &model.$list {
+                    if spec.$list.len() == MOST {
+                        let reason = concat!("more than 1000 ", stringify!($list));
+                        return Err(element.error(reason));
+                    }
+                    let mut asset = asset.clone();
+                    self.bytes += prefix.len() + asset.name.len();
+                    asset.name.insert_str(0, prefix);
+                    spec.$list.push(asset);
+                }
+            };
+        }
+        add!(meshes);
+        add!(hfields);
+        add!(textures);
+        let first = spec.materials.len();
+        add!(materials);
+        for texture in spec.materials[first..]
+            .iter_mut()
+            .filter_map(|of| of.texture.as_mut())
+        {
+            texture.insert_str(0, prefix);
+        }
+        Ok(())
+    }
+}
+
+/// Which element the first body in a part is. In a model with keyframes, joints of a frame belong to
+/// a body.
+fn first_body(part: &Element<'_, '_>) -> Result<Option<(usize, usize)>> {
+    let mut waiting = vec![part.again()];
+    while let Some(element) = waiting.pop() {
+        match element.name() {
+            "body" => return Ok(Some(element.identity())),
+            "frame" | "replicate" => waiting.extend(element.children()?.into_iter().rev()),
+            "joint" | "freejoint" => {
+                let reason = "not supported in a frame that is attached from a model with keyframes: attach its body";
+                return Err(element.error(reason));
+            }
+            _ => {}
+        }
+    }
+    Ok(None)
+}
+
+/// Adds the keyframes of an attached model.
+fn add_keys(
+    spec: &mut Spec,
+    model: &Spec,
+    (number, start): (usize, Option<usize>),
+    (prefix, _): Ends<'_>,
+    element: &Element<'_, '_>,
+) -> Result<()> {
+    let Some(attached) = spec.attached.get(number) else {
+        return Ok(());
+    };
+    let stored = Stored::of(spec, model, attached, start.unwrap_or(0), number);
+    let stored = Rc::new(stored);
+    for key in &model.keys {
+        if spec.keys.len() + spec.attached_keys.len() >= MOST {
+            return Err(element.error(format!("more than {MOST} keys are not supported")));
+        }
+        stored.check(key)?;
+        let name = format!("{prefix}{}", key.name.as_deref().unwrap_or_default());
+        spec.attached_keys.push(Key {
+            name: Some(name).filter(|name| !name.is_empty()),
+            stored: Some(stored.clone()),
+            ..key.clone()
+        });
+    }
+    Ok(())
 }
 
 /// Removes the elements that refer to what is gone; the names by which others refer to them are gone too. An
@@ -223,134 +482,4 @@ fn remove<T: Refers>(
         }
         stays
     });
-}
-
-impl Refers for Pair {
-    fn place(&self) -> &Place {
-        &self.place
-    }
-
-    fn name(&mut self) -> Option<&mut String> {
-        self.name.as_mut()
-    }
-
-    fn visit(&mut self, visit: &mut dyn FnMut(ObjectType, &mut String)) {
-        let names = self.geoms.iter_mut().flatten();
-        names.for_each(|name| visit(ObjectType::Geom, name));
-    }
-}
-
-impl Refers for Exclude {
-    fn place(&self) -> &Place {
-        &self.place
-    }
-
-    fn name(&mut self) -> Option<&mut String> {
-        None
-    }
-
-    fn visit(&mut self, visit: &mut dyn FnMut(ObjectType, &mut String)) {
-        let names = self.bodies.iter_mut();
-        names.for_each(|name| visit(ObjectType::Body, name));
-    }
-}
-
-impl Refers for Tendon {
-    const KIND: Option<ObjectType> = Some(ObjectType::Tendon);
-
-    fn place(&self) -> &Place {
-        &self.place
-    }
-
-    fn name(&mut self) -> Option<&mut String> {
-        self.name.as_mut()
-    }
-
-    fn visit(&mut self, visit: &mut dyn FnMut(ObjectType, &mut String)) {
-        for (_, wrap) in &mut self.wraps {
-            match wrap {
-                Wrap::Joint(name, _) => visit(ObjectType::Joint, name),
-                Wrap::Site(name) => visit(ObjectType::Site, name),
-                Wrap::Geom(name, side) => {
-                    visit(ObjectType::Geom, name);
-                    if let Some(side) = side {
-                        visit(ObjectType::Site, side);
-                    }
-                }
-                Wrap::Pulley(_) => {}
-            }
-        }
-    }
-}
-
-impl Refers for Equality {
-    const ONE_IS_ENOUGH: bool = false;
-
-    fn place(&self) -> &Place {
-        &self.place
-    }
-
-    fn name(&mut self) -> Option<&mut String> {
-        self.name.as_mut()
-    }
-
-    fn visit(&mut self, visit: &mut dyn FnMut(ObjectType, &mut String)) {
-        let kind = match self.kind {
-            EqualityType::Joint => ObjectType::Joint,
-            EqualityType::Tendon => ObjectType::Tendon,
-            _ if self.sites => ObjectType::Site,
-            _ => ObjectType::Body,
-        };
-        let names = self.names.iter_mut().flatten();
-        names.for_each(|name| visit(kind, name));
-    }
-}
-
-impl Refers for Actuator {
-    const KIND: Option<ObjectType> = Some(ObjectType::Actuator);
-    const ONE_IS_ENOUGH: bool = false;
-
-    fn place(&self) -> &Place {
-        &self.place
-    }
-
-    fn name(&mut self) -> Option<&mut String> {
-        self.name.as_mut()
-    }
-
-    fn visit(&mut self, visit: &mut dyn FnMut(ObjectType, &mut String)) {
-        if let Some((attribute, name)) = &mut self.target {
-            let kind = match *attribute {
-                "tendon" => ObjectType::Tendon,
-                "site" | "cranksite" => ObjectType::Site,
-                "body" => ObjectType::Body,
-                _ => ObjectType::Joint,
-            };
-            visit(kind, name);
-        }
-        let sites = [&mut self.reference_site, &mut self.slider_site];
-        for site in sites.into_iter().flatten() {
-            visit(ObjectType::Site, site);
-        }
-    }
-}
-
-impl Refers for Sensor {
-    fn place(&self) -> &Place {
-        &self.place
-    }
-
-    fn name(&mut self) -> Option<&mut String> {
-        self.name.as_mut()
-    }
-
-    fn visit(&mut self, visit: &mut dyn FnMut(ObjectType, &mut String)) {
-        for target in self.object.iter_mut().chain(&mut self.reference) {
-            let kind = match target.kind {
-                ObjectType::XBody => ObjectType::Body,
-                kind => kind,
-            };
-            visit(kind, &mut target.name);
-        }
-    }
 }

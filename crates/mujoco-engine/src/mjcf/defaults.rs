@@ -1,10 +1,12 @@
 //! Classes of default values.
 
 use std::collections::BTreeMap;
+use std::rc::Rc;
 
 use super::MOST;
 use super::spec::{
-    ACTUATORS, Actuator, Camera, Equality, Geom, Joint, Light, Material, Mesh, Pair, Site, Tendon,
+    ACTUATORS, Actuator, Camera, Compiler, Equality, Geom, Joint, Light, Material, Mesh, Pair,
+    Site, Tendon,
 };
 use super::xml::Element;
 use crate::{Result, Revision};
@@ -38,18 +40,33 @@ const MAIN: &str = "main";
 
 impl Default for Classes {
     fn default() -> Self {
-        let main = Class {
+        Self::with(&Rc::default())
+    }
+}
+
+impl Classes {
+    /// The first class, of a model with these settings.
+    pub(crate) fn with(compiler: &Rc<Compiler>) -> Self {
+        let mut main = Class {
             name: MAIN.to_owned(),
             ..Class::default()
         };
+        for of in [
+            &mut main.joint.compiler,
+            &mut main.geom.compiler,
+            &mut main.site.compiler,
+            &mut main.camera.compiler,
+            &mut main.tendon.compiler,
+            &mut main.actuator.compiler,
+        ] {
+            of.clone_from(compiler);
+        }
         Self {
             all: vec![main],
             numbers: BTreeMap::from([(MAIN.to_owned(), 0)]),
         }
     }
-}
 
-impl Classes {
     /// Reads a `default` section, which changes the classes for the elements after the section.
     pub(crate) fn read(&mut self, mut section: Element<'_, '_>, revision: Revision) -> Result<()> {
         match section.text("class")? {

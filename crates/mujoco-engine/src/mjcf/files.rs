@@ -23,21 +23,54 @@ const MAX_NODES: u32 = 200_000;
 /// all others.
 const MAX_ATTRIBUTES: usize = 1000;
 const MAX_NAMESPACES: usize = 10;
-/// The largest number of files of a model.
+/// The largest number of files of a model, each as often as it is named, and the largest number of
+/// models within each other.
 const MAX_FILES: usize = 100;
+const MAX_MODELS: usize = 10;
 /// Why a model in a text names no files.
 const NO_FOLDER: &str = "a text has no folder: read the model from its file, with from_path";
 
-/// The texts of a model and its included files, before they are parsed.
-#[derive(Debug, Default)]
-pub(crate) struct Texts {
-    /// The name of each file, for errors (empty for the model itself), and its text.
-    texts: Vec<(Rc<str>, String)>,
-    /// The text that each element `include` names, by the number of its own text and its position
-    /// there.
-    included: BTreeMap<(usize, usize), usize>,
+/// A text of a model.
+#[derive(Debug)]
+struct Text {
+    /// The name of the file, for errors; empty for the model itself.
+    name: Rc<str>,
+    text: String,
+    /// The path; none if the model is a text.
+    path: Option<PathBuf>,
+    /// The number of the model among those of all texts.
+    model: usize,
+}
+
+impl Text {
+    /// Whether it is that of the file.
+    fn is(&self, path: &Path) -> bool {
+        let Some(own) = &self.path else { return false };
+        match (own.canonicalize(), path.canonicalize()) {
+            (Ok(own), Ok(path)) => own == path,
+            _ => own == path,
+        }
+    }
+}
+
+/// A model whose texts are read: the first, or one that another attaches.
+#[derive(Debug)]
+struct Root {
     /// The folder of the model; none if it is a text.
     folder: Option<PathBuf>,
+    /// The number of the model that names it; its own for the first.
+    parent: usize,
+}
+
+/// The texts of a model, its included files, and the models that it attaches, before they are
+/// parsed.
+#[derive(Debug, Default)]
+pub(crate) struct Texts {
+    texts: Vec<Text>,
+    models: Vec<Root>,
+    /// The text that each element `include` or `model` names, by the number of its own text and its
+    /// position there.
+    named: BTreeMap<(usize, usize), usize>,
 }
 
 impl Texts {
@@ -51,73 +84,141 @@ impl Texts {
         Self::load(&read(path)?, Some(path))
     }
 
-    /// Reads the included files, each once: files that include each other are an error.
+    /// Reads the files that the texts name: included ones each once, so that files that include each
+    /// other are an error, and models that are not within themselves.
     fn load(text: &str, path: Option<&Path>) -> Result<Self> {
-        let folder_of = |path: &Path| path.parent().unwrap_or(Path::new("")).to_owned();
         let mut all = Self {
-            texts: vec![(Rc::default(), tidy(text).into_owned())],
-            folder: path.map(folder_of),
+            texts: vec![Text {
+                name: Rc::default(),
+                text: tidy(text).into_owned(),
+                path: path.map(Path::to_owned),
+                model: 0,
+            }],
+            models: vec![Root {
+                folder: path.map(folder_of),
+                parent: 0,
+            }],
             ..Self::default()
         };
-        let mut paths: Vec<PathBuf> = path.map(Path::to_owned).into_iter().collect();
         let mut next = 0;
         while next < all.texts.len() {
-            for (position, file, place) in all.includes(next)? {
-                let Some(folder) = &all.folder else {
-                    return Err(place.attribute("file", NO_FOLDER));
-                };
-                let own = folder_of(&paths[next]);
-                let candidates = [folder.join(&file), own.join(&file)];
-                let Some(path) = candidates.iter().find(|path| path.is_file()) else {
-                    let [first, _] = candidates.map(|path| path.display().to_string());
-                    return Err(place.attribute("file", format!("there is no file {first}")));
-                };
-                let same = |other: &PathBuf| match (other.canonicalize(), path.canonicalize()) {
-                    (Ok(other), Ok(path)) => other == path,
-                    _ => other == path,
-                };
-                if paths.iter().any(same) {
+            for Named {
+                position,
+                file,
+                model,
+                place,
+            } in all.files_of(next)?
+            {
+                let path = all
+                    .path_of(next, &file)
+                    .map_err(|e| place.attribute("file", e))?;
+                let (owner, number) = (all.texts[next].model, all.texts.len());
+                if model {
+                    all.check_models(owner, &path)
+                        .map_err(|reason| place.attribute("file", reason))?;
+                    all.models.push(Root {
+                        folder: Some(folder_of(&path)),
+                        parent: owner,
+                    });
+                } else if all
+                    .texts
+                    .iter()
+                    .any(|text| text.model == owner && text.is(&path))
+                {
                     let reason = format!("{} is included already", path.display());
                     return Err(place.attribute("file", reason));
                 }
-                let text = tidy(&read(path)?).into_owned();
-                let length: usize = all.texts.iter().map(|(_, text)| text.len()).sum();
-                if paths.len() == MAX_FILES || length + text.len() > MAX_LEN {
+                let text = tidy(&read(&path)?).into_owned();
+                let length: usize = all.texts.iter().map(|text| text.text.len()).sum();
+                if number == MAX_FILES || length + text.len() > MAX_LEN {
                     let reason =
                         format!("more than {MAX_FILES} files or {MAX_LEN} bytes are not supported");
                     return Err(place.attribute("file", reason));
                 }
-                paths.push(path.clone());
-                all.included.insert((next, position), all.texts.len());
-                all.texts.push((path.display().to_string().into(), text));
+                all.named.insert((next, position), number);
+                all.texts.push(Text {
+                    name: path.display().to_string().into(),
+                    text,
+                    path: Some(path),
+                    model: if model { all.models.len() - 1 } else { owner },
+                });
             }
             next += 1;
         }
         Ok(all)
     }
 
-    /// The position, the file name and the place of each `include` of a text.
-    fn includes(&self, number: usize) -> Result<Vec<(usize, String, Place)>> {
-        let (name, text) = &self.texts[number];
-        if !text.contains("<include") {
+    /// The path of a text that another names: beside its model, or else beside the other text.
+    fn path_of(&self, text: usize, file: &str) -> Result<PathBuf, String> {
+        let Text { path, model, .. } = &self.texts[text];
+        let (Some(folder), Some(path)) = (&self.models[*model].folder, path) else {
+            return Err(NO_FOLDER.to_owned());
+        };
+        let candidates = [folder.join(file), folder_of(path).join(file)];
+        let found = candidates.iter().find(|path| path.is_file());
+        found
+            .cloned()
+            .ok_or_else(|| format!("there is no file {}", candidates[0].display()))
+    }
+
+    /// Refuses a model within itself, and too many within each other.
+    fn check_models(&self, mut around: usize, path: &Path) -> Result<(), String> {
+        for _ in 0..MAX_MODELS {
+            // the first text of a model is that of its own file
+            let mut texts = self.texts.iter();
+            let own = texts.find(|text| text.model == around);
+            if own.is_some_and(|text| text.is(path)) {
+                return Err(format!("{} would be a part of itself", path.display()));
+            }
+            let Root { parent, .. } = self.models[around];
+            if parent == around {
+                return Ok(());
+            }
+            around = parent;
+        }
+        Err(format!(
+            "more than {MAX_MODELS} models within each other are not supported"
+        ))
+    }
+
+    /// The elements of a text that name other texts.
+    fn files_of(&self, number: usize) -> Result<Vec<Named>> {
+        let Text { name, text, .. } = &self.texts[number];
+        if !text.contains("<include") && !text.contains("<model") {
             return Ok(Vec::new());
         }
         let (document, lines) = (parse(name, text)?, Lines::of(text));
-        let elements = document.descendants();
-        let includes = elements.filter(|node| node.is_element() && node.has_tag_name("include"));
-        includes
+        let elements = document.descendants().filter(Node::is_element);
+        let naming = elements.filter(|node| ["include", "model"].contains(&node.tag_name().name()));
+        naming
             .map(|node| {
-                let place = Place::new(name.clone(), lines.at(node.range().start), "include");
+                let model = node.has_tag_name("model");
+                let place = Place::new(
+                    name.clone(),
+                    lines.at(node.range().start),
+                    node.tag_name().name(),
+                );
                 if node.children().any(|child| child.is_element()) {
                     return Err(place.error("it has no elements within"));
                 }
-                if let Some(other) = node.attributes().find(|a| a.name() != "file") {
-                    return Err(place.attribute(other.name(), "not supported: only file is"));
+                let known = if model {
+                    &["file", "name"][..]
+                } else {
+                    &["file"]
+                };
+                if let Some(other) = node.attributes().find(|a| !known.contains(&a.name())) {
+                    let reason = format!("not supported: only {} is", known.join(" and "));
+                    return Err(place.attribute(other.name(), reason));
                 }
                 let file = node
                     .attribute("file")
                     .ok_or_else(|| place.attribute("file", "missing: it must be given"))?;
-                Ok((node.range().start, file.to_owned(), place))
+                Ok(Named {
+                    position: node.range().start,
+                    file: file.to_owned(),
+                    model,
+                    place,
+                })
             })
             .collect()
     }
@@ -126,16 +227,28 @@ impl Texts {
     pub(crate) fn parse(&self) -> Result<Files<'_>> {
         let mut files = Files {
             files: Vec::new(),
-            included: &self.included,
-            folder: self.folder.as_deref(),
+            texts: self,
             visits: Cell::new(0),
         };
-        for (name, text) in &self.texts {
+        for Text { name, text, .. } in &self.texts {
             let (document, lines) = (parse(name, text)?, Lines::of(text));
             files.files.push((name, document, lines));
         }
         Ok(files)
     }
+}
+
+/// An element that names another text.
+struct Named {
+    position: usize,
+    file: String,
+    /// Whether the text is a model of its own, not a part of this one.
+    model: bool,
+    place: Place,
+}
+
+fn folder_of(path: &Path) -> PathBuf {
+    path.parent().unwrap_or(Path::new("")).to_owned()
 }
 
 fn read(path: &Path) -> Result<String> {
@@ -149,13 +262,16 @@ fn read(path: &Path) -> Result<String> {
 pub(crate) fn bytes(path: &Path, left: &mut u64) -> Result<Vec<u8>, String> {
     let most = usize::try_from(*left).unwrap_or(usize::MAX);
     let bytes = file::read(path, most).map_err(|error| match error.kind() {
-        ErrorKind::FileTooLarge => format!(
-            "the files of all assets together have more than {MAX_ASSETS} bytes: simplify them"
-        ),
+        ErrorKind::FileTooLarge => too_large(),
         _ => error.to_string(),
     })?;
     *left -= bytes.len() as u64;
     Ok(bytes)
+}
+
+/// Why no more files of assets are read.
+pub(crate) fn too_large() -> String {
+    format!("the files of all assets together have more than {MAX_ASSETS} bytes: simplify them")
 }
 
 /// The elements of a text.
@@ -203,8 +319,7 @@ fn check_tags(text: &str) -> std::result::Result<(), (u32, String)> {
 /// Parsed texts.
 pub(crate) struct Files<'input> {
     files: Vec<(&'input Rc<str>, Document<'input>, Lines)>,
-    included: &'input BTreeMap<(usize, usize), usize>,
-    folder: Option<&'input Path>,
+    texts: &'input Texts,
     /// The number of visits of nodes.
     visits: Cell<usize>,
 }
@@ -228,11 +343,11 @@ impl<'input> Files<'input> {
 
     /// The path of a file that is no text: in `folder` beside the model, or else beside a text.
     pub(crate) fn find(&self, text: usize, folder: &str, file: &str) -> Result<PathBuf, String> {
-        let beside = self.folder.ok_or_else(|| NO_FOLDER.to_owned())?;
-        let own = match Path::new(&**self.name(text)).parent() {
-            Some(own) if text > 0 => own,
-            _ => beside,
+        let Text { path, model, .. } = &self.texts.texts[text];
+        let (Some(beside), Some(path)) = (&self.texts.models[*model].folder, path) else {
+            return Err(NO_FOLDER.to_owned());
         };
+        let own = folder_of(path);
         let candidates = [beside.join(folder).join(file), own.join(file)];
         let exists = candidates.iter().find(|path| path.exists());
         exists
@@ -245,9 +360,9 @@ impl<'input> Files<'input> {
         self.files[file].2.at(position)
     }
 
-    /// The file that an element of a file includes.
-    pub(crate) fn included(&self, file: usize, node: Node<'_, '_>) -> Option<usize> {
-        let number = self.included.get(&(file, node.range().start));
-        number.copied().filter(|_| node.has_tag_name("include"))
+    /// The file that an element `include` or `model` of a file names.
+    pub(crate) fn named(&self, file: usize, node: Node<'_, '_>, kind: &str) -> Option<usize> {
+        let number = self.texts.named.get(&(file, node.range().start));
+        number.copied().filter(|_| node.has_tag_name(kind))
     }
 }

@@ -6,12 +6,14 @@
 //!
 //! [`Model::from_xml`](crate::Model::from_xml) lists what is supported.
 
+mod attach;
 mod bodies;
 mod copies;
 mod defaults;
 pub(crate) mod files;
 pub(crate) mod orientation;
 pub(crate) mod reader;
+mod refers;
 pub(crate) mod spec;
 mod tidy;
 pub(crate) mod xml;

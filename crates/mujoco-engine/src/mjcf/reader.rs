@@ -1,6 +1,9 @@
 //! Reads the sections of a model and the tree of its bodies into a [`Spec`].
 
+use std::rc::Rc;
+
 use super::MOST;
+use super::attach::{Parsed, Scope};
 use super::bodies::Bodies;
 use super::copies::copy_references;
 use super::defaults::Classes;
@@ -30,36 +33,46 @@ const SECTIONS: [&str; 15] = [
     "keyframe",
 ];
 
+/// The name of a model that has none.
+const NAMELESS: &str = "MuJoCo Model";
+
 /// Reads a model. Sections may come in any order and repeat.
 pub(crate) fn read(files: &Files<'_>, revision: Revision) -> Result<Spec> {
-    let mut root = Element::root(files);
+    Ok(read_model(Element::root(files, 0), revision)?.spec)
+}
+
+/// Reads a model, and recurses into those among its assets, whose number is limited.
+fn read_model<'a, 'input>(
+    mut root: Element<'a, 'input>,
+    revision: Revision,
+) -> Result<Parsed<'a, 'input>> {
     if root.name() != "mujoco" {
         return Err(root.error("not supported: the outermost element is <mujoco>"));
     }
-    let mut spec = Spec {
-        name: root.text("model")?.unwrap_or_default(),
-        revision,
-        ..Spec::default()
-    };
     let mut reader = Reader {
-        spec: &mut spec,
-        classes: Classes::default(),
+        spec: Spec {
+            name: root.text("model")?.unwrap_or_default(),
+            revision,
+            ..Spec::default()
+        },
+        scope: Scope::default(),
     };
     reader.read_sections(&root)?;
     root.finish()?;
-    Ok(spec)
+    let Reader { spec, scope } = reader;
+    Ok(Parsed { spec, scope })
 }
 
-struct Reader<'s> {
-    spec: &'s mut Spec,
-    classes: Classes,
+struct Reader<'a, 'input> {
+    spec: Spec,
+    scope: Scope<'a, 'input>,
 }
 
-impl Reader<'_> {
-    fn read_sections(&mut self, root: &Element<'_, '_>) -> Result<()> {
+impl<'a, 'input> Reader<'a, 'input> {
+    fn read_sections(&mut self, root: &Element<'a, 'input>) -> Result<()> {
         for section in root.children()? {
             match section.name() {
-                "compiler" => self.spec.compiler.read(section)?,
+                "compiler" => Rc::make_mut(&mut self.spec.compiler).read(section)?,
                 "option" => self.read_option(section)?,
                 "size" => self.read_size(section)?,
                 "statistic" => self.read_statistic(section)?,
@@ -71,20 +84,22 @@ impl Reader<'_> {
                 _ => return Err(root.unsupported(&section, &SECTIONS)),
             }
         }
+        self.scope.classes = Classes::with(&self.spec.compiler);
         let sections = root.children()?.into_iter();
         for section in sections.filter(|section| section.name() == "default") {
-            self.classes.read(section, self.spec.revision)?;
+            self.scope.classes.read(section, self.spec.revision)?;
         }
         let place = root.place();
         self.spec.bodies.push(Body {
             name: Some("world".to_owned()),
             place,
+            compiler: self.spec.compiler.clone(),
             ..Body::default()
         });
         for section in root.children()? {
             match section.name() {
                 "asset" => self.read_asset(section)?,
-                "worldbody" => Bodies::new(self.spec, &self.classes).read(section)?,
+                "worldbody" => self.scope.worlds.push(section),
                 "contact" => self.read_contact(section)?,
                 "equality" => self.read_equalities(section)?,
                 "tendon" => self.read_tendons(section)?,
@@ -94,16 +109,20 @@ impl Reader<'_> {
                 _ => {}
             }
         }
-        if self.spec.replicates {
-            let sections = root.children()?.into_iter();
-            let worlds = sections.filter(|section| section.name() == "worldbody");
-            copy_references(self.spec, worlds.collect())?;
+        // the bodies may attach what the other sections name
+        let mut bodies = Bodies::new(&mut self.spec);
+        for world in &self.scope.worlds {
+            bodies.read(world.again(), &self.scope)?;
+        }
+        if self.spec.copies {
+            copy_references(&mut self.spec, &self.scope)?;
         }
         Ok(())
     }
 
     fn read_option(&mut self, mut element: Element<'_, '_>) -> Result<()> {
         let place = element.place();
+        self.spec.optional.get_or_insert_with(|| place.clone());
         let option = &mut self.spec.option;
         replace(&mut option.timestep, element.positive("timestep")?);
         replace(&mut option.gravity, element.numbers("gravity")?);
@@ -242,11 +261,11 @@ impl Reader<'_> {
     }
 
     /// Stores materials, textures, meshes and height fields, and ignores other assets.
-    fn read_asset(&mut self, section: Element<'_, '_>) -> Result<()> {
+    fn read_asset(&mut self, section: Element<'a, 'input>) -> Result<()> {
         for mut child in section.children()? {
             match child.name() {
                 "material" => {
-                    let mut material = self.classes.of(&mut child)?.material.clone();
+                    let mut material = self.scope.classes.of(&mut child)?.material.clone();
                     material.name = child.required_text("name")?;
                     material.read(&mut child)?;
                     fits(&self.spec.materials, "materials", &child)?;
@@ -254,7 +273,7 @@ impl Reader<'_> {
                     self.spec.materials.push(material);
                 }
                 "mesh" => {
-                    let mut mesh = self.classes.of(&mut child)?.mesh.clone();
+                    let mut mesh = self.scope.classes.of(&mut child)?.mesh.clone();
                     let compiler = &self.spec.compiler;
                     mesh.read(&mut child, &compiler.mesh_folder, compiler.strip_path)?;
                     child.finish_without_children()?;
@@ -276,9 +295,17 @@ impl Reader<'_> {
                     let texture = Texture::read(child, folder, compiler.strip_path)?;
                     self.spec.textures.push(texture);
                 }
+                "model" => {
+                    let (name, root) = (child.text("name")?, child.model());
+                    let root = root.ok_or_else(|| child.missing("file"))?;
+                    let model = read_model(root, self.spec.revision)?;
+                    let own = Some(&model.spec.name).filter(|name| !name.is_empty());
+                    let name = name.or(own.cloned()).unwrap_or(NAMELESS.to_owned());
+                    self.scope.models.push((name, model));
+                }
                 "skin" => {}
                 _ => {
-                    let known = ["material", "mesh", "texture", "skin", "hfield"];
+                    let known = ["material", "mesh", "texture", "model", "skin", "hfield"];
                     return Err(section.unsupported(&child, &known));
                 }
             }
@@ -295,7 +322,7 @@ impl Reader<'_> {
                 }
                 "pair" => {
                     fits(&self.spec.pairs, "pairs", &child)?;
-                    let mut pair = self.classes.of(&mut child)?.pair.clone();
+                    let mut pair = self.scope.classes.of(&mut child)?.pair.clone();
                     pair.name = child.text("name")?;
                     pair.read(&mut child)?;
                     child.finish_without_children()?;
@@ -315,7 +342,7 @@ impl Reader<'_> {
                 return Err(section.unsupported(&child, &kinds));
             };
             fits(&self.spec.equalities, "equalities", &child)?;
-            let mut equality = self.classes.of(&mut child)?.equality.clone();
+            let mut equality = self.scope.classes.of(&mut child)?.equality.clone();
             equality.name = child.text("name")?;
             equality.read(&mut child, *kind, *names)?;
             child.finish_without_children()?;
@@ -331,7 +358,7 @@ impl Reader<'_> {
             if !["fixed", "spatial"].contains(&child.name()) {
                 return Err(section.unsupported(&child, &["fixed", "spatial"]));
             }
-            let mut tendon = self.classes.of(&mut child)?.tendon.clone();
+            let mut tendon = self.scope.classes.of(&mut child)?.tendon.clone();
             tendon.name = child.text("name")?;
             tendon.read(&mut child)?;
             fits(&self.spec.tendons, "tendons", &child)?;
@@ -353,9 +380,9 @@ impl Reader<'_> {
                 return Err(section.unsupported(&child, &ACTUATORS));
             }
             fits(&self.spec.actuators, "actuators", &child)?;
-            let class = self.classes.named(&mut child, "class", 0)?;
+            let class = self.scope.classes.named(&mut child, "class", 0)?;
             let revision = self.spec.revision;
-            let mut actuator = self.classes.actuator(class, child.name(), revision);
+            let mut actuator = self.scope.classes.actuator(class, child.name(), revision);
             actuator.name = child.text("name")?;
             actuator.read(&mut child)?;
             child.finish_without_children()?;

@@ -99,9 +99,42 @@ impl Place {
 }
 
 impl<'a, 'input> Element<'a, 'input> {
-    /// The outermost element of the text.
-    pub(crate) fn root(files: &'a Files<'input>) -> Self {
-        Self::new(files.root(0), files, 0, 0)
+    /// The outermost element of a file.
+    pub(crate) fn root(files: &'a Files<'input>, file: usize) -> Self {
+        Self::new(files.root(file), files, file, 0)
+    }
+
+    /// The element before anything of it was read.
+    pub(crate) fn again(&self) -> Self {
+        Self::new(self.node, self.files, self.file, self.depth)
+    }
+
+    /// Which element it is, among those of all files.
+    pub(crate) fn identity(&self) -> (usize, usize) {
+        (self.file, self.node.range().start)
+    }
+
+    /// Whether the attribute is given, and not read yet.
+    pub(crate) fn has(&self, name: &str) -> bool {
+        self.unread.iter().any(|attribute| attribute.name() == name)
+    }
+
+    /// Whether another element is this one or within it.
+    pub(crate) fn contains(&self, other: &Self) -> Result<bool> {
+        let mut waiting = vec![self.again()];
+        while let Some(element) = waiting.pop() {
+            if element.identity() == other.identity() {
+                return Ok(true);
+            }
+            waiting.extend(element.children()?);
+        }
+        Ok(false)
+    }
+
+    /// The outermost element of the file of the model that an element `model` names.
+    pub(crate) fn model(&self) -> Option<Self> {
+        let file = self.files.named(self.file, self.node, "model")?;
+        Some(Self::root(self.files, file))
     }
 
     fn new(node: Node<'a, 'input>, files: &'a Files<'input>, file: usize, depth: usize) -> Self {
@@ -162,7 +195,7 @@ impl<'a, 'input> Element<'a, 'input> {
             if node.tag_name().namespace() != parent.tag_name().namespace() {
                 return Err(child.error("an element of another namespace is not part of MJCF"));
             }
-            match self.files.included(file, node) {
+            match self.files.named(file, node, "include") {
                 Some(within) => self.add_children(self.files.root(within), within, children)?,
                 None => children.push(child),
             }

@@ -221,6 +221,9 @@ pub struct CompiledModel {
     /// Fluid coefficients: 1 for the ellipsoid model (else 0), five coefficients, virtual masses
     /// and moments.
     pub geom_fluid: Vec<Fluid>,
+    /// Velocity of the surface in the geom's frame: linear, angular.
+    #[serde(skip_serializing_if = "still")]
+    pub geom_surfacevel: Vec<[f64; 6]>,
     /// The geom's mesh, the one that it was fitted to in 3.12, its height field, or -1.
     #[serde(skip_serializing_if = "none")]
     pub geom_dataid: Vec<i32>,
@@ -466,6 +469,11 @@ pub struct CompiledModel {
 /// Whether all groups are 0.
 fn zero(groups: &[i32]) -> bool {
     groups.iter().all(|group| *group == 0)
+}
+
+/// Whether no surface moves.
+fn still(velocities: &[[f64; 6]]) -> bool {
+    velocities.iter().all(|velocity| *velocity == [0.0; 6])
 }
 
 /// Whether no geom has a mesh.

@@ -73,6 +73,8 @@ pub(crate) struct Plan {
     pub(crate) tendon_forces: bool,
     /// Whether a tendon has inertia.
     pub(crate) tendon_armature: bool,
+    /// Whether a geom's surface moves.
+    pub(crate) surfaces: bool,
     /// Whether a body has gravity compensation.
     pub(crate) gravcomp: bool,
     /// Whether sensors or energies must be computed.
@@ -201,6 +203,7 @@ impl Plan {
             periods: actuators::periods(m),
             tendon_forces: m.tendon_actfrclimited.contains(&true),
             tendon_armature: m.tendon_armature.iter().any(|x| *x != 0.0),
+            surfaces: m.geom_surfacevel.iter().any(|of| *of != [0.0; 6]),
             gravcomp: !off(Disable::Gravity)
                 && m.opt.gravity != [0.0; 3]
                 && m.body_gravcomp.iter().any(|part| *part != 0.0),

@@ -6,7 +6,7 @@
 
 use std::ops::Range;
 
-use super::bias;
+use super::{bias, surface};
 use crate::math::dense::{self, Lanes};
 use crate::model::{Bounds, Disable};
 use crate::{Data, Model};
@@ -297,6 +297,10 @@ pub fn reference_constraint(m: &Model, d: &mut Data) {
     let mut velocities = std::mem::take(&mut efc.vel);
     efc.multiply(x, m.nv(), &mut velocities);
     efc.vel = velocities;
+    if m.plan().surfaces {
+        surface::add_velocities(m, d);
+    }
+    let efc = &mut d.efc;
     for i in 0..efc.pos.len() {
         let [stiffness, damping, impedance, _] = efc.kbip[i];
         efc.aref[i] = -damping * efc.vel[i] - stiffness * impedance * (efc.pos[i] - efc.margin[i]);

@@ -85,6 +85,7 @@ mod ray;
 mod rows;
 mod sensor;
 mod solver;
+mod surface;
 mod tendon;
 mod transmission;
 mod velocity;

@@ -330,7 +330,7 @@ fn attributes_that_are_no_meshes_are_refused() {
             "texture coordinates",
         ),
         (
-            &format!("<mesh name=\"m\" {four} builtin=\"sphere\"/>"),
+            &format!("<mesh name=\"m\" {four} builtin=\"wedge\"/>"),
             "attribute \"builtin\"",
         ),
         (

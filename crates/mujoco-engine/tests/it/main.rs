@@ -8,6 +8,7 @@ mod contacts;
 mod copies;
 mod frames;
 mod hfields;
+mod language;
 mod meshes;
 mod mjcf;
 mod numbers;

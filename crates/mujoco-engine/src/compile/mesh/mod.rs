@@ -8,6 +8,7 @@
 //! (`integrals.rs`), and expresses it in its principal frame. The formulas and the order of
 //! operations are those of MuJoCo 3.12 (`user_mesh.cc`, `user_util.cc`, Apache-2.0).
 
+mod builtin;
 mod error;
 mod fit;
 mod integrals;
@@ -24,6 +25,7 @@ mod stl;
 #[cfg(test)]
 mod tests;
 
+pub use builtin::Builtin;
 pub use error::MeshError;
 pub use source::{Format, Source};
 

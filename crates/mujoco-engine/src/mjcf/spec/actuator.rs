@@ -1,6 +1,8 @@
 //! Actuators. Each kind is a `general` actuator whose other parameters are implied.
 
-use super::{LIMITED, replace, replace_some};
+use std::rc::Rc;
+
+use super::{Compiler, LIMITED, replace, replace_some};
 use crate::Result;
 use crate::mjcf::xml::{Element, Place};
 use crate::model::{BiasType, DynamicsType, GainType};
@@ -15,6 +17,8 @@ with_defaults! {
         /// The element that set the parameters, one of the [`KINDS`].
         kind: &'static str = "general",
         name: Option<String> = None,
+        /// The settings of the model that has the element.
+        compiler: Rc<Compiler> = Rc::default(),
         /// The attribute that names the target, and the target's name.
         target: Option<(&'static str, String)> = None,
         reference_site: Option<String> = None,
@@ -39,6 +43,9 @@ with_defaults! {
         biasprm: [f64; 10] = [0.0; 10],
         act_early: bool = false,
         group: i32 = 0,
+        /// The number of the attachment that added it, and its own in that model, if that model's
+        /// keyframes hold for it.
+        stored: Option<(usize, usize)> = None,
     }
 }
 

@@ -1,6 +1,8 @@
 //! Bodies, cameras and lights.
 
-use super::{Frame, Geom, Joint, Site, replace};
+use std::rc::Rc;
+
+use super::{Compiler, Frame, Geom, Joint, Site, replace};
 use crate::Result;
 use crate::math::spatial::EPS;
 use crate::mjcf::orientation::{Orientation, norm};
@@ -10,7 +12,11 @@ use crate::mjcf::xml::{Element, Place};
 #[derive(Debug, Default)]
 pub(crate) struct Body {
     pub(crate) place: Place,
+    /// Which element of all files it is.
+    pub(crate) element: (usize, usize),
     pub(crate) name: Option<String>,
+    /// The settings of the model that has the body.
+    pub(crate) compiler: Rc<Compiler>,
     pub(crate) parent: usize,
     pub(crate) pos: [f64; 3],
     pub(crate) orientation: Orientation,
@@ -24,6 +30,16 @@ pub(crate) struct Body {
     pub(crate) sites: Vec<Site>,
     pub(crate) cameras: Vec<Camera>,
     pub(crate) lights: Vec<Light>,
+}
+
+/// Bodies that an element `attach` added.
+#[derive(Debug)]
+pub(crate) struct Attached {
+    /// Which element of all files it is.
+    pub(crate) element: (usize, usize),
+    /// The number of the first body, and how many there are.
+    pub(crate) first: usize,
+    pub(crate) count: usize,
 }
 
 /// When the tree of a body falls asleep.
@@ -96,6 +112,8 @@ with_defaults! {
     struct Camera {
         place: Place = Place::default(),
         name: Option<String> = None,
+        /// The settings of the model that has the element.
+        compiler: Rc<Compiler> = Rc::default(),
         mode: u8 = 0,
         target: Option<String> = None,
         pos: [f64; 3] = [0.0; 3],

@@ -61,6 +61,8 @@ pub(crate) struct Mesh {
     pub(crate) name: String,
     pub(crate) path: Option<PathBuf>,
     pub(crate) content_type: Option<String>,
+    /// The name and the parameters of a shape that needs no file, with the place of its errors.
+    pub(crate) builtin: Option<(&'static str, Vec<f64>)>,
     pub(crate) vertices: Vec<f32>,
     pub(crate) normals: Vec<f32>,
     pub(crate) texture: Vec<f32>,
@@ -95,7 +97,20 @@ impl Mesh {
         replace(&mut self.options.orientation, element.numbers("refquat")?);
         replace(&mut self.options.smooth, element.flag("smoothnormal")?);
         replace_some(&mut self.material, element.text("material")?);
-        element.keyword("builtin", &[("none", ())])?;
+        let shapes = [
+            "none",
+            "sphere",
+            "hemisphere",
+            "supersphere",
+            "supertorus",
+            "cone",
+        ];
+        let shape = element.keyword("builtin", &shapes.map(|name| (name, name)))?;
+        let params = element.list("params")?;
+        self.builtin = match shape {
+            None | Some("none") => None,
+            Some(shape) => Some((shape, params.ok_or_else(|| element.missing("params"))?)),
+        };
         self.read_class(element)
     }
 

@@ -32,11 +32,11 @@ mod tendon;
 mod texture;
 
 pub(crate) use actuator::{Actuator, KINDS as ACTUATORS};
-pub(crate) use body::{Body, Camera, Inertial, Light, Moments, Sleep};
+pub(crate) use body::{Attached, Body, Camera, Inertial, Light, Moments, Sleep};
 pub(crate) use contact::{Exclude, Pair};
 pub(crate) use equality::{EQUALITIES, Equality};
 pub(crate) use hfield::Hfield;
-pub(crate) use keyframe::Key;
+pub(crate) use keyframe::{Key, Stored};
 pub(crate) use mesh::Mesh;
 pub use mesh::{Inertia, Options as MeshOptions};
 pub(crate) use parts::{Frame, Geom, Joint, Site};
@@ -45,6 +45,7 @@ pub(crate) use tendon::{Tendon, Wrap};
 pub(crate) use texture::{Mark, Material, Pattern, Pixels, Texture};
 
 use std::path::PathBuf;
+use std::rc::Rc;
 
 use super::xml::{Element, Place};
 use crate::model::{Options, SOLIMP, SOLREF};
@@ -84,8 +85,10 @@ fn file_of(
 pub(crate) struct Spec {
     pub(crate) name: String,
     pub(crate) revision: Revision,
-    pub(crate) compiler: Compiler,
+    pub(crate) compiler: Rc<Compiler>,
     pub(crate) option: Options,
+    /// The first element `option`.
+    pub(crate) optional: Option<Place>,
     pub(crate) statistic: Statistic,
     pub(crate) nkey: usize,
     pub(crate) materials: Vec<Material>,
@@ -94,8 +97,9 @@ pub(crate) struct Spec {
     pub(crate) hfields: Vec<Hfield>,
     /// The flag `sleep`, if it is enabled.
     pub(crate) sleep: Option<Place>,
-    /// Whether there are elements `replicate`.
-    pub(crate) replicates: bool,
+    /// Whether there are elements `replicate` or `attach`.
+    pub(crate) copies: bool,
+    pub(crate) attached: Vec<Attached>,
     /// The world, then the others, each after its parent.
     pub(crate) bodies: Vec<Body>,
     pub(crate) excludes: Vec<Exclude>,
@@ -105,6 +109,8 @@ pub(crate) struct Spec {
     pub(crate) actuators: Vec<Actuator>,
     pub(crate) sensors: Vec<Sensor>,
     pub(crate) keys: Vec<Key>,
+    /// Those of attached models.
+    pub(crate) attached_keys: Vec<Key>,
 }
 
 impl Spec {
@@ -142,6 +148,8 @@ with_defaults! {
         fuse_static: bool = false,
         discard_visual: bool = false,
         align_free: bool = false,
+        /// Whether options of attached models have no effect.
+        keeps_options: bool = true,
         euler: Sequence = [(0, false), (1, false), (2, false)],
     }
 }
@@ -238,8 +246,8 @@ impl Compiler {
         replace(&mut self.fit_bounds, element.flag("fitaabb")?);
         // attributes of files that are not read, and attributes without effect on the compiled
         // model
-        // conflicts between models arise where one attaches another
-        element.keyword("conflict", &[("warning", ()), ("merge", ()), ("error", ())])?;
+        let policies = [("warning", true), ("merge", false), ("error", false)];
+        element.set_keyword("conflict", &policies, &mut self.keeps_options)?;
         element.ignore("usethread saveinertial");
         replace(&mut self.fuse_static, element.flag("fusestatic")?);
         replace(&mut self.discard_visual, element.flag("discardvisual")?);

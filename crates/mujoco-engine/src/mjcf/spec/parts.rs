@@ -1,7 +1,10 @@
 //! Joints, geoms and sites.
 
+use std::rc::Rc;
+
 use super::{
-    GREY, LIMITED, SOLIMP, SOLREF, read_condim, read_solimp, read_solref, replace, replace_some,
+    Compiler, GREY, LIMITED, SOLIMP, SOLREF, read_condim, read_solimp, read_solref, replace,
+    replace_some,
 };
 use crate::Result;
 use crate::math::spatial::EPS;
@@ -17,6 +20,8 @@ with_defaults! {
     struct Joint {
         place: Place = Place::default(),
         name: Option<String> = None,
+        /// The settings of the model that has the element.
+        compiler: Rc<Compiler> = Rc::default(),
         kind: JointType = JointType::Hinge,
         pos: [f64; 3] = [0.0; 3],
         axis: [f64; 3] = [0.0, 0.0, 1.0],
@@ -111,6 +116,8 @@ with_defaults! {
     struct Geom {
         place: Place = Place::default(),
         name: Option<String> = None,
+        /// The settings of the model that has the element.
+        compiler: Rc<Compiler> = Rc::default(),
         shape: GeomType = GeomType::Sphere,
         size: [f64; 3] = [0.0; 3],
         pos: Option<[f64; 3]> = None,
@@ -140,6 +147,7 @@ with_defaults! {
         /// Whether fluid forces use the ellipsoid model, and its coefficients.
         fluid_ellipsoid: bool = false,
         fluid: [f64; 5] = [0.5, 0.25, 1.5, 1.0, 1.0],
+        surface_velocity: [f64; 6] = [0.0; 6],
         frame: Option<Frame> = None,
     }
 }
@@ -193,6 +201,7 @@ impl Geom {
         let shapes = [("none", false), ("ellipsoid", true)];
         element.set_keyword("fluidshape", &shapes, &mut self.fluid_ellipsoid)?;
         element.up_to("fluidcoef", &mut self.fluid)?;
+        element.up_to("surfacevel", &mut self.surface_velocity)?;
         element.ignore("user");
         Ok(())
     }
@@ -203,6 +212,8 @@ with_defaults! {
     struct Site {
         place: Place = Place::default(),
         name: Option<String> = None,
+        /// The settings of the model that has the element.
+        compiler: Rc<Compiler> = Rc::default(),
         shape: u8 = GeomType::Sphere.into(),
         size: [f64; 3] = [0.005; 3],
         pos: [f64; 3] = [0.0; 3],

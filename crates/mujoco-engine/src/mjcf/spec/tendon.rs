@@ -1,6 +1,8 @@
 //! Tendons.
 
-use super::{LIMITED, SOLIMP, SOLREF, read_solimp, read_solref, replace, replace_some};
+use std::rc::Rc;
+
+use super::{Compiler, LIMITED, SOLIMP, SOLREF, read_solimp, read_solref, replace, replace_some};
 use crate::Result;
 use crate::mjcf::xml::{Element, Place};
 
@@ -9,6 +11,8 @@ with_defaults! {
     struct Tendon {
         place: Place = Place::default(),
         name: Option<String> = None,
+        /// The settings of the model that has the element.
+        compiler: Rc<Compiler> = Rc::default(),
         limited: Option<bool> = None,
         range: [f64; 2] = [0.0; 2],
         /// `actuatorfrclimited`; `None` if the attribute is missing, `Some(None)` for `auto`.

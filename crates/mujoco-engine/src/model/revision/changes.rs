@@ -33,6 +33,8 @@ changes! {
     /// The parts of fused bodies move to their parents before masses are computed, and cameras and
     /// lights move with them.
     fuses_first since V3_17;
+    /// Copies by `replicate` leave the controls and activations in keyframes of attached models.
+    keeps_attached_controls since V3_17;
     /// Contacts make no constraints where no degree of freedom moves one body relative to the
     /// other.
     drops_rigid_pairs since V3_17;

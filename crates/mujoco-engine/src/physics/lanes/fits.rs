@@ -47,6 +47,7 @@ pub(crate) fn fits(m: &Model, stride: &Stride) -> bool {
         && sensors::fit(m, stride.sensors())
         && !plan.gravcomp
         && !plan.tendon_armature
+        && !plan.surfaces
         && actuators::fit(m)
         && plan.constraints.tendon_limits.is_empty()
         && plan.boxes.iter().all(|(_, edges)| edges.is_some())

@@ -3,7 +3,7 @@
 use gym_core::canvas::{Canvas, Color, Point, Segment, Shape};
 
 use super::camera::{Camera, NEAR};
-use super::shapes::lit;
+use super::light::{blend, lit};
 use super::{Scene, color_of, is_shown};
 use gym_core::math;
 use mujoco_engine::math::{Vec3, add_scaled, column, dot, sub};
@@ -20,18 +20,6 @@ const RINGS: usize = 6;
 /// The number of corners of a shadow's outline.
 const CORNERS: usize = 20;
 pub(super) const SHADOW: Color = Color::rgb(24, 34, 52).alpha(88);
-
-/// A mixture of two colours: `a` at `t` = 0, `b` at 1.
-pub(super) fn blend(a: Color, b: Color, t: f64) -> Color {
-    let t = t.clamp(0.0, 1.0);
-    let mix = |a: u8, b: u8| (f64::from(a) + (f64::from(b) - f64::from(a)) * t).round() as u8;
-    Color {
-        r: mix(a.r, b.r),
-        g: mix(a.g, b.g),
-        b: mix(a.b, b.b),
-        a: a.a,
-    }
-}
 
 /// Covers the picture with a sky that is brightest at the horizon.
 pub(super) fn sky(camera: &Camera, canvas: &mut dyn Canvas) {

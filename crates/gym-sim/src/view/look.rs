@@ -3,7 +3,7 @@
 use gym_core::canvas::Color;
 
 use super::layer::Paint;
-use super::shapes::LIGHT;
+use super::light::LIGHT;
 use super::surface::Triangles;
 use super::texture::Texture;
 use mujoco_engine::Model;

@@ -4,6 +4,7 @@ mod camera;
 mod depth;
 mod floor;
 mod layer;
+mod light;
 mod look;
 mod meshes;
 mod shapes;

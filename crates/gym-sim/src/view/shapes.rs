@@ -7,15 +7,12 @@
 use gym_core::canvas::{Canvas, Color, Point};
 
 use super::camera::{Camera, NEAR};
-use super::floor::blend;
+use super::light::{LAYERS, LIGHT, blend, lit, shade};
 use super::{Scene, color_of, rgba, solids};
 use gym_core::math;
 use mujoco_engine::math::{Vec3, add, add_scaled, column, dot, scale, sub};
 use mujoco_engine::model::{GeomType, WrapType};
 
-/// The direction to the light: above, and a little to the left and the front of most cameras.
-pub(super) const LIGHT: Vec3 = [-0.37, -0.46, 0.81];
-pub(super) const LAYERS: usize = 9;
 const ARC: usize = 14;
 
 /// The difference in depth between a shape's centre and its nearest point.
@@ -138,28 +135,6 @@ fn outline([a, b]: [Point; 2], [ra, rb]: [f64; 2], color: Color, canvas: &mut dy
         [center[0] + radius * cos, center[1] + radius * sin]
     });
     canvas.polygon(&points, color);
-}
-
-/// The colour of a surface with the normal `normal`.
-pub(super) fn lit(color: Color, normal: Vec3) -> Color {
-    let facing = dot(normal, LIGHT);
-    let dark = blend(color, Color::rgb(16, 18, 34), 0.5);
-    if facing < 0.4 {
-        blend(dark, color, (facing + 0.4) / 0.8)
-    } else {
-        blend(color, Color::WHITE, (facing - 0.4) / 0.6 * 0.2)
-    }
-}
-
-/// The colour of a layer of a round shape: `t` is 0 for the outermost, 1 for the innermost.
-pub(super) fn shade(color: Color, t: f64) -> Color {
-    let dark = blend(color, Color::rgb(16, 18, 34), 0.52);
-    let bright = blend(color, Color::WHITE, 0.22);
-    if t < 0.6 {
-        blend(dark, color, (t / 0.6).sqrt())
-    } else {
-        blend(color, bright, (t - 0.6) / 0.4)
-    }
 }
 
 /// Draws a cylinder: its side in strips, shaded by their direction to the light, then the visible

@@ -4,7 +4,7 @@ use gym_core::canvas::{Canvas, Color, Point};
 
 use super::Scene;
 use super::camera::NEAR;
-use super::shapes::{LAYERS, LIGHT, lit, shade};
+use super::light::{LAYERS, LIGHT, lit, shade};
 use gym_core::math;
 use mujoco_engine::math::{
     Vec3, add, add_scaled, column, cross, dot, normalize, rotate, rotate_back, scale, sub,

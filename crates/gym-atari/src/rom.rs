@@ -1,7 +1,6 @@
 //! ROMs. The user provides them; this crate contains none.
 
 use std::env;
-use std::fs;
 use std::io;
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, PoisonError};
@@ -110,20 +109,7 @@ impl RomDir {
         if let Some(path) = env::var_os(VARIABLE).filter(|path| !path.is_empty()) {
             return Some(Self(path.into()));
         }
-        let active = env::var_os("VIRTUAL_ENV").map(PathBuf::from);
-        let of_path = env::var_os("PATH").into_iter().flat_map(|path| {
-            let folders: Vec<_> = env::split_paths(&path).collect();
-            folders
-                .into_iter()
-                .filter(|folder| folder.join("python3").exists())
-        });
-        let prefixes = of_path.filter_map(|folder| folder.parent().map(Path::to_owned));
-        active
-            .into_iter()
-            .chain([PathBuf::from(".venv")])
-            .chain(prefixes)
-            .find_map(|prefix| roms_of_ale_py(&prefix))
-            .map(Self)
+        file::of_python("ale_py/roms").map(Self)
     }
 
     /// Returns the path of the folder.
@@ -215,28 +201,4 @@ fn advice() -> String {
         "ROMs are not included: `pip install ale-py` brings them, in the active virtual environment or in \
          `.venv`; or set {VARIABLE} to a folder with files such as `breakout.bin`, or give the argument `rom_dir`"
     )
-}
-
-/// Returns ale-py's folder of ROMs in a Python installation or virtual environment.
-fn roms_of_ale_py(prefix: &Path) -> Option<PathBuf> {
-    let site_packages = ["lib", "lib64"].iter().flat_map(|lib| {
-        let mut pythons: Vec<_> = fs::read_dir(prefix.join(lib))
-            .into_iter()
-            .flatten()
-            .flatten()
-            .map(|entry| entry.path())
-            .filter(|path| {
-                path.file_name()
-                    .is_some_and(|name| name.to_string_lossy().starts_with("python3"))
-            })
-            .collect();
-        pythons.sort();
-        pythons
-            .into_iter()
-            .map(|python| python.join("site-packages"))
-    });
-    site_packages
-        .chain([prefix.join("Lib").join("site-packages")])
-        .map(|folder| folder.join("ale_py").join("roms"))
-        .find(|folder| folder.is_dir())
 }

@@ -3,9 +3,10 @@
 //! A pipe that nobody writes is never opened, and a device such as `/dev/zero` never ends: whoever
 //! reads a file that a user names reads it here.
 
+use std::env;
 use std::fs::{self, File};
 use std::io::{self, ErrorKind, Read as _};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 /// Reads a regular file of at most `max` bytes.
 ///
@@ -42,9 +43,65 @@ pub fn read_text(path: &Path, max: usize) -> io::Result<String> {
         .map_err(|_| io::Error::new(ErrorKind::InvalidData, "not text in UTF-8"))
 }
 
+/// Finds a folder of an installed Python package, such as `ale_py/roms`: in the active virtual
+/// environment, in `.venv` in the current folder, or next to a `python3` in the `PATH`.
+#[must_use]
+pub fn of_python(folder: &str) -> Option<PathBuf> {
+    let active = env::var_os("VIRTUAL_ENV").map(PathBuf::from);
+    let of_path = env::var_os("PATH").into_iter().flat_map(|path| {
+        let folders: Vec<_> = env::split_paths(&path).collect();
+        folders
+            .into_iter()
+            .filter(|folder| folder.join("python3").exists())
+    });
+    let prefixes = of_path.filter_map(|folder| folder.parent().map(Path::to_owned));
+    active
+        .into_iter()
+        .chain([PathBuf::from(".venv")])
+        .chain(prefixes)
+        .find_map(|prefix| installed(&prefix, folder))
+}
+
+/// A folder of a package in a Python installation or virtual environment.
+fn installed(prefix: &Path, folder: &str) -> Option<PathBuf> {
+    let site_packages = ["lib", "lib64"].iter().flat_map(|lib| {
+        let mut pythons: Vec<_> = fs::read_dir(prefix.join(lib))
+            .into_iter()
+            .flatten()
+            .flatten()
+            .map(|entry| entry.path())
+            .filter(|path| {
+                path.file_name()
+                    .is_some_and(|name| name.to_string_lossy().starts_with("python3"))
+            })
+            .collect();
+        pythons.sort();
+        pythons
+            .into_iter()
+            .map(|python| python.join("site-packages"))
+    });
+    site_packages
+        .chain([prefix.join("Lib").join("site-packages")])
+        .map(|packages| packages.join(folder))
+        .find(|folder| folder.is_dir())
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_package_is_found_in_the_layouts_of_an_installation() {
+        let name = format!("gym-numerics-python-{}", std::process::id());
+        let prefix = std::env::temp_dir().join(name);
+        for layout in ["lib/python3.12/site-packages", "Lib/site-packages"] {
+            assert_eq!(installed(&prefix, "package/data"), None, "{layout}");
+            let folder = prefix.join(layout).join("package").join("data");
+            fs::create_dir_all(&folder).unwrap();
+            assert_eq!(installed(&prefix, "package/data"), Some(folder));
+            fs::remove_dir_all(&prefix).unwrap();
+        }
+    }
 
     #[test]
     fn files_are_read_up_to_a_limit() {

@@ -9,7 +9,7 @@ use pyo3::IntoPyObjectExt;
 use pyo3::intern;
 use pyo3::prelude::*;
 use pyo3::sync::PyOnceLock;
-use pyo3::types::{PyDict, PyString};
+use pyo3::types::{PyDict, PyList, PyString};
 use serde_json::Value as Json;
 
 use crate::convert::{new_array, scalar, to_python};
@@ -227,6 +227,11 @@ impl Numbers {
             let kind = key.map_or_else(|| self.info(name), |key| key.kind);
             let set = match value {
                 Value::Float(x) => number(py, kind, x, is_single),
+                Value::Tuple(tasks) if self.task == "FrankaKitchen" => tasks
+                    .iter()
+                    .map(|task| to_python(py, task))
+                    .collect::<PyResult<Vec<_>>>()
+                    .and_then(|tasks| Ok(PyList::new(py, tasks)?.into_any())),
                 value => to_python(py, &value),
             }
             .and_then(|value| match key {

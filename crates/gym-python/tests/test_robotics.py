@@ -1,5 +1,8 @@
 """The tasks of Gymnasium-Robotics: goals through wrappers and vectors, options, maps, and learners."""
 
+import importlib.util
+import os
+
 import gymnasium
 import numpy as np
 import pytest
@@ -73,6 +76,52 @@ def test_a_state_of_the_hand():
     assert type(reward) is np.float64 and info == {"success": False}
     with pytest.raises(ValueError, match="door_body_pos"):
         env.reset(options={"initial_state_dict": {"qpos": np.zeros(30), "qvel": np.zeros(30)}})
+
+
+@pytest.fixture
+def models():
+    """Skips a test without the models of the package."""
+    folder = os.environ.get("GYMNASIUM_ROBOTICS_ASSETS")
+    if not folder and importlib.util.find_spec("gymnasium_robotics") is None:
+        pytest.skip("there are no models of gymnasium-robotics")
+
+
+def test_without_models_an_error_says_what_to_install(tmp_path):
+    with pytest.raises(ValueError, match=r"pip install gymnasium-robotics==1\.4\.2.*GYMNASIUM_ROBOTICS_ASSETS"):
+        gymnasium.make("rustgym/FetchReach-v4", assets=str(tmp_path))
+
+
+def test_fetch(models):
+    env = gymnasium.make("rustgym/FetchPickAndPlaceDense-v4")
+    observation, info = env.reset(seed=3)
+    assert {name: part.shape for name, part in observation.items()} == {"achieved_goal": (3,), "desired_goal": (3,), "observation": (25,)}
+    assert info == {} and env.action_space == gymnasium.spaces.Box(-1, 1, (4,), np.float32)
+    observation, reward, terminated, _, info = env.step(env.action_space.sample())
+    goals = observation["achieved_goal"], observation["desired_goal"]
+    assert reward == env.unwrapped.compute_reward(*goals, info) == -np.linalg.norm(goals[0] - goals[1], axis=-1)
+    assert not terminated and info == {"is_success": 0.0}
+    assert type(env.unwrapped).__name__ == "MujocoFetchPickAndPlaceEnv"
+    assert env.unwrapped.metadata["render_modes"] == ["human", "rgb_array"] and env.unwrapped.metadata["render_fps"] == 25
+
+
+def test_hand(models):
+    env = gymnasium.make("rustgym/HandManipulatePen_BooleanTouchSensors-v1")
+    observation, _ = env.reset(seed=3)
+    assert observation["observation"].shape == (153,) and set(observation["observation"][61:]) <= {0.0, 1.0}
+    assert type(env.unwrapped).__name__ == "MujocoHandPenTouchSensorsEnv"
+    with pytest.raises(ValueError, match="target_rotation"):
+        gymnasium.make("rustgym/HandManipulatePen-v1", target_rotation="fixed")
+
+
+def test_kitchen(models):
+    env = gymnasium.make("rustgym/FrankaKitchen-v1", tasks_to_complete=["microwave", "kettle"])
+    observation, info = env.reset(seed=3)
+    tasks = ["kettle", "microwave"]
+    assert info == {"tasks_to_complete": tasks, "step_task_completions": [], "episode_task_completions": []}
+    assert {name: goal.shape for name, goal in observation["desired_goal"].items()} == {"kettle": (7,), "microwave": (1,)}
+    assert observation in env.observation_space and env.action_space.dtype == np.float64
+    *_, info = env.step(env.action_space.sample())
+    assert info["tasks_to_complete"] == tasks
 
 
 def test_her_trains():

@@ -1,4 +1,4 @@
-//! Gymnasium-Robotics' tasks with goals, and its hands, step for step as version 1.4.2 has them.
+//! Gymnasium-Robotics' tasks, with goals and without, step for step as version 1.4.2 has them.
 //!
 //! ```
 //! use gym_core::{EnvExt, Result, make};
@@ -14,6 +14,9 @@
 //! # }
 //! ```
 //!
+//! Mazes and Adroit hands have models of this crate. Those of Fetch, the Shadow hand and the kitchen are
+//! the user's: see [`assets`].
+//!
 //! [`SimEnv`](gym_sim::SimEnv) is the environment of all tasks, [`mujoco_engine`] their physics, and
 //! [`Goals`](gym_core::Goals) their rewards.
 //!
@@ -21,16 +24,22 @@
 //! is used.
 #![warn(clippy::disallowed_methods)]
 
+mod goals;
 mod reward;
+mod rotation;
 
 pub mod adroit;
 pub mod ant_maze;
+pub mod assets;
+pub mod fetch;
+pub mod kitchen;
 pub mod maze;
 pub mod point_maze;
+pub mod shadow_hand;
 
 pub use reward::RewardType;
 
-gym_core::family!(gym_core::registry::Family::new("Robotics", 75));
+gym_core::family!(gym_core::registry::Family::new("Robotics", 75).page("robotics.md"));
 
 /// The example of the README, compiled and run.
 #[cfg(doctest)]

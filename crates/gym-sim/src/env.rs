@@ -107,6 +107,8 @@ pub struct SimEnv {
     simulation: Simulation,
     observation_space: Space,
     action_space: Space,
+    /// The shape of an action.
+    action_shape: Vec<usize>,
     layout: Layout,
     seen: Observation,
     pixels: Option<Pixels>,
@@ -156,12 +158,17 @@ impl SimEnv {
                 BoxSpace::new(bounds(0), bounds(1))?.into()
             }
         };
+        let action_shape = match &action_space {
+            Space::Box(space) => space.shape().to_vec(),
+            _ => vec![model.nu()],
+        };
         Ok(Self {
             settings: Arc::new(settings),
             task,
             simulation,
             observation_space,
             action_space,
+            action_shape,
             layout,
             seen,
             pixels,
@@ -303,7 +310,9 @@ impl SimEnv {
             data,
             ..
         } = &mut *episode;
-        data.reset(&self.simulation.model);
+        if seeded || !self.task.goes_on() || !data.is_computed() {
+            data.reset(&self.simulation.model);
+        }
         data.userdata.resize(self.task.remembers(), 0.0);
         if self.settles() {
             self.simulation.settle(data);
@@ -323,6 +332,7 @@ impl SimEnv {
             }
         }
         self.simulation.settle(data);
+        self.task.sense(data, rng);
         self.task.show(data);
         Ok(episode)
     }
@@ -405,13 +415,14 @@ impl Env for SimEnv {
         let Some(episode) = &mut self.episode else {
             return Err(Error::ResetNeeded("step"));
         };
-        if action.shape() != [self.simulation.model.nu()] || !action.is_finite() {
+        if action.shape() != self.action_shape || !action.is_finite() {
             return Err(self.action_space.refuse_action(action));
         }
         self.resumed.take();
-        let data = &mut episode.data;
+        let Episode { data, rng, .. } = &mut **episode;
         self.task.prepare(data);
         let mut measured = self.task.step(&self.simulation, data, action);
+        self.task.sense(data, rng);
         if !data.has_stale_arrays() {
             self.task.show(data);
         }
@@ -489,6 +500,7 @@ impl Env for SimEnv {
                     visit("tendon_velocity", array(&data.ten_velocity));
                 }
             });
+        self.task.lists(data, measured.as_ref(), visit);
         if let Some(success) = self.task.success(data, measured.as_ref()) {
             visit("success", Value::Bool(success));
         }
@@ -546,7 +558,7 @@ impl Lockstep for SimEnv {
 
     fn begin_step(&mut self, action: &Array, worlds: &mut Groups) {
         let Simulation { model, stride, .. } = &self.simulation;
-        let fits = action.shape() == [model.nu()] && action.is_finite();
+        let fits = action.shape() == self.action_shape && action.is_finite();
         if let Some(episode) = self.episode.as_mut().filter(|_| fits) {
             self.task.prepare(&mut episode.data);
         }

@@ -104,6 +104,72 @@ pub fn inner(a: &[f64], b: &[f64]) -> f64 {
     rest.fold(sum, |sum, (a, b)| a.mul_add(*b, sum))
 }
 
+/// The length of a vector, `np.linalg.norm`, on a CPU for which OpenBLAS has a kernel with AVX2, but
+/// none with AVX-512, such as AMD's.
+pub fn norm_avx2(v: &[f64]) -> f64 {
+    inner_avx2(v, v).sqrt()
+}
+
+/// The dot product of two vectors, `np.dot`, on such a CPU: four registers of four sums for blocks of
+/// 16 numbers; the rest is multiplied and added number by number.
+#[expect(
+    clippy::disallowed_methods,
+    reason = "numpy fuses here, and a fused product is the same on every platform"
+)]
+pub fn inner_avx2(a: &[f64], b: &[f64]) -> f64 {
+    let n = a.len().min(b.len());
+    let blocks = n / 16 * 16;
+    let mut sums = [0.0; 16];
+    for (a, b) in a[..blocks]
+        .chunks_exact(16)
+        .zip(b[..blocks].chunks_exact(16))
+    {
+        for ((sum, a), b) in sums.iter_mut().zip(a).zip(b) {
+            *sum = a.mul_add(*b, *sum);
+        }
+    }
+    let halves = |i: usize| sums[i] + sums[2 + i];
+    let four = |i: usize| (halves(i) + halves(4 + i)) + (halves(8 + i) + halves(12 + i));
+    let rest = a[blocks..n].iter().zip(&b[blocks..n]);
+    rest.fold(four(0) + four(1), |sum, (a, b)| sum + a * b)
+}
+
+/// The product of three rows of numbers and a vector, `a @ b`, on such a CPU. `columns` has those
+/// columns of the rows that are not zero, with their numbers, in order; `length` counts all.
+#[expect(
+    clippy::disallowed_methods,
+    reason = "numpy fuses here, and a fused product is the same on every platform"
+)]
+pub fn three_rows_avx2(
+    length: usize,
+    columns: impl Iterator<Item = (usize, [f64; 3])>,
+    b: &[f64],
+) -> [f64; 3] {
+    // (the last one to three products)
+    let whole = length / 4 * 4;
+    let (mut sums, mut rest) = ([[0.0; 4]; 3], [[0.0; 3]; 3]);
+    for (i, column) in columns {
+        for (k, a) in column.into_iter().enumerate() {
+            match i.checked_sub(whole) {
+                Some(last) => rest[k][last] = a,
+                // the first two rows have a register of two sums, the third has two
+                None => sums[k][i % if k < 2 { 2 } else { 4 }] += a * b[i],
+            }
+        }
+    }
+    let b = &b[whole..length];
+    std::array::from_fn(|k| {
+        let ([first, second, third, fourth], a) = (sums[k], rest[k]);
+        let sum = (first + third) + (second + fourth);
+        match b {
+            [x] => a[0].mul_add(*x, sum),
+            [x, y] => sum + a[0].mul_add(*x, a[1] * y),
+            [x, y, z] => sum + a[2].mul_add(*z, a[0].mul_add(*x, a[1] * y)),
+            _ => sum,
+        }
+    })
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -190,6 +256,55 @@ mod tests {
             let (inverses, roots): (Vec<f64>, Vec<f64>) = n.map(|n| (1.0 / n, n.sqrt())).unzip();
             assert_eq!(inner(&inverses, &roots), product, "{length}");
             assert_eq!(norm(4, &inverses), norm_of_inverses, "{length}");
+        }
+    }
+
+    #[test]
+    fn products_round_as_on_a_cpu_without_avx_512() {
+        // numpy 2.5 with OPENBLAS_CORETYPE=Zen: as above, and
+        // (1 / np.arange(1, 3 * n + 1).reshape(3, n)) @ np.sqrt(np.arange(1, n + 1))
+        for (length, product, norm_of_inverses) in [
+            (20, 7.595255025289832, 1.2633935427700362),
+            (33, 10.115589829834331, 1.2708601561436532),
+            (50, 12.752373944855657, 1.2748069397448107),
+            (70, 15.332536308685953, 1.2770081861483973),
+        ] {
+            let n = (1..=length).map(f64::from);
+            let (inverses, roots): (Vec<f64>, Vec<f64>) = n.map(|n| (1.0 / n, n.sqrt())).unzip();
+            assert_eq!(inner_avx2(&inverses, &roots), product, "{length}");
+            assert_eq!(norm_avx2(&inverses), norm_of_inverses, "{length}");
+        }
+        for (length, product) in [
+            (
+                13,
+                [5.888534476577857, 1.601016575579331, 0.9727827568254745],
+            ),
+            (
+                14,
+                [6.155795718490282, 1.6580323474392042, 1.0069300553370764],
+            ),
+            (
+                15,
+                [6.413994608237443, 1.713104978985726, 1.0399361890583143],
+            ),
+            (
+                16,
+                [6.663994608237443, 1.7664233323609948, 1.0719096718626064],
+            ),
+            (
+                21,
+                [7.813472915525825, 2.011572122933001, 1.2191052330864043],
+            ),
+        ] {
+            let roots: Vec<f64> = (1..=length).map(|n| f64::from(n as u32).sqrt()).collect();
+            let inverse = |n: usize| 1.0 / (n + 1) as f64;
+            let column = |i: usize| (i, [0, 1, 2].map(|k| inverse(k * length + i)));
+            let columns = (0..length).map(column);
+            assert_eq!(
+                three_rows_avx2(length, columns, &roots),
+                product,
+                "{length}"
+            );
         }
     }
 

@@ -32,7 +32,7 @@ impl Observation {
         self.part(name, &[], [number]);
     }
 
-    /// Adds a vector.
+    /// Adds a vector. A name of two words, such as `goal/door`, is that of a part of a dict `goal`.
     pub fn vector(&mut self, name: &'static str, numbers: impl IntoIterator<Item = f64>) {
         self.part(name, &[0], numbers);
     }
@@ -89,22 +89,46 @@ impl Observation {
         if flat {
             return fill(out, dtype, &[self.numbers.len()], &self.numbers);
         }
-        let parts = &layout.parts;
+        self.write_parts(&layout.parts, 0, dtype, out);
+    }
+
+    /// Writes parts to a dict. Their names begin at `from`: what is before is that of the dict.
+    fn write_parts(&self, parts: &[Part], from: usize, dtype: DType, out: &mut Value) {
         let fits = |entries: &Vec<(String, Value)>| {
-            let mut both = entries.iter().zip(parts);
-            entries.len() == parts.len() && both.all(|((key, _), part)| key == part.name)
+            let mut both = entries.iter().zip(groups(parts, from));
+            entries.len() == groups(parts, from).count()
+                && both.all(|((key, _), group)| key == group[0].word(from))
         };
         if !matches!(out, Value::Dict(entries) if fits(entries)) {
-            let entries = parts.iter().map(|part| (part.name.to_owned(), Value::Null));
+            let entries = groups(parts, from);
+            let entries = entries.map(|group| (group[0].word(from).to_owned(), Value::Null));
             *out = Value::Dict(entries.collect());
         }
         let Value::Dict(entries) = out else { return };
-        for (part, (_, value)) in parts.iter().zip(entries) {
+        for (group, (key, value)) in groups(parts, from).zip(entries) {
+            let part = &group[0];
+            if part.name.len() > from + key.len() {
+                self.write_parts(group, from + key.len() + 1, dtype, value);
+                continue;
+            }
             let length: usize = part.shape.iter().product();
             let numbers = &self.numbers[part.first..part.first + length];
             fill(value, dtype, &part.shape, numbers);
         }
     }
+}
+
+impl Part {
+    /// The word of its name that begins at `from`.
+    fn word(&self, from: usize) -> &'static str {
+        let rest = self.name.get(from..).unwrap_or_default();
+        rest.split_once('/').map_or(rest, |(word, _)| word)
+    }
+}
+
+/// The parts by the word of their names that begins at `from`.
+fn groups(parts: &[Part], from: usize) -> impl Iterator<Item = &[Part]> {
+    parts.chunk_by(move |a, b| a.word(from) == b.word(from))
 }
 
 /// The parts of an observation, sorted by name.
@@ -124,12 +148,26 @@ impl Layout {
         if flat {
             return reals(&[self.len]);
         }
-        let members = self
-            .parts
-            .iter()
-            .map(|part| Ok((part.name, reals(&part.shape)?)));
-        Ok(DictSpace::new(members.collect::<Result<Vec<_>>>()?)?.into())
+        members(&self.parts, 0, &reals)
     }
+}
+
+/// The dict of parts, whose names begin at `from`.
+fn members(
+    parts: &[Part],
+    from: usize,
+    reals: &dyn Fn(&[usize]) -> Result<Space>,
+) -> Result<Space> {
+    let members = groups(parts, from).map(|group| {
+        let (part, word) = (&group[0], group[0].word(from));
+        let space = if part.name.len() > from + word.len() {
+            members(group, from + word.len() + 1, reals)?
+        } else {
+            reals(&part.shape)?
+        };
+        Ok((word, space))
+    });
+    Ok(DictSpace::new(members.collect::<Result<Vec<_>>>()?)?.into())
 }
 
 /// Writes `numbers` to `out` as an array with the type `dtype` and the shape `shape`.

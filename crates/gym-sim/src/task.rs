@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::fmt;
 
-use gym_core::{Array, Goals, Kwargs, Result};
+use gym_core::{Array, Goals, Kwargs, Result, Value};
 use mujoco_engine::lanes::Derived;
 use mujoco_engine::{CompiledModel, Data, Model};
 use serde::ser::SerializeMap;
@@ -36,6 +36,12 @@ pub trait SimTask: fmt::Debug + Send + Sync + 'static {
     /// [`Error::InvalidArgument`](gym_core::Error::InvalidArgument) if no valid state is found.
     fn start(&self, start: &mut Start<'_>) -> Result<()>;
 
+    /// Whether an episode that is not seeded keeps what the last one left in the data, such as
+    /// controls and the solver's starting point, instead of a cleared state.
+    fn goes_on(&self) -> bool {
+        false
+    }
+
     /// Adds the parts of the observation, always the same in the same order.
     fn observe(&self, m: &Model, d: &Data, out: &mut Observation);
 
@@ -50,6 +56,12 @@ pub trait SimTask: fmt::Debug + Send + Sync + 'static {
     /// doing it once.
     fn prepare(&self, d: &mut Data) {
         let _ = d;
+    }
+
+    /// Draws what the next observation needs beside the state, such as noise of sensors, after a
+    /// start or a step.
+    fn sense(&self, d: &mut Data, rng: &mut Rng) {
+        let _ = (d, rng);
     }
 
     /// Follows a step that was observed: draws another goal, for instance. The reward can still
@@ -98,6 +110,12 @@ pub trait SimTask: fmt::Debug + Send + Sync + 'static {
         visit: Visit<'_>,
     ) {
         let _ = (simulation, d, measured, visit);
+    }
+
+    /// Passes the entries of `info` that are not numbers to `visit`: after a step, or with `None`
+    /// after a reset.
+    fn lists(&self, d: &Data, measured: Option<&Measured>, visit: &mut dyn FnMut(&str, Value)) {
+        let _ = (d, measured, visit);
     }
 
     /// The last entry of `info`, `success`: after a step, or with `None` after a reset.

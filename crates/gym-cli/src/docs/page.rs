@@ -115,6 +115,9 @@ impl Section {
             };
             text += &format!("{ids} {}.\n", need.what);
         }
+        if !needy.is_empty() && !pages.is_empty() {
+            text += "\n";
+        }
         if !pages.is_empty() {
             text += "| | environment | ids |\n|---|---|---|\n";
             text.extend(pages.iter().map(Page::row));

@@ -208,6 +208,10 @@ functions! {
     /// `np.arctan2` of float64s on a CPU with AVX-512.
     fn numpy_atan2(y: f64, x: f64) -> f64 = |F| svml::atan2::<F>(y, x);
 
+    /// `np.arccos` of a float64 on a CPU with AVX-512; NaN outside of ±1. For one argument in a
+    /// thousand, the result depends on the CPU.
+    fn numpy_acos(x: f64) -> f64 = |F| svml::acos::<F>(x);
+
     /// `np.log1p` of a float64 on a CPU with AVX-512.
     fn numpy_ln_1p(x: f64) -> f64 = |F| svml::ln_1p::<F>(x);
 

@@ -2,7 +2,7 @@
 //! `np.exp`, whose results differ from glibc's in the last bit for a twentieth of all arguments.
 //!
 //! Source: `numpy/SVML`, `linux/avx512` (3-clause BSD licence), `svml_z0_exp_d_ha`,
-//! `svml_z0_log1p_d_ha`, `svml_z0_atan2_d_ha`. Tables and coefficients are given as bits.
+//! `svml_z0_log1p_d_ha`, `svml_z0_atan2_d_ha`, `svml_z0_acos_d_ha`. Tables and coefficients are given as bits.
 
 use super::{Fma, arc, exp as glibc, log};
 
@@ -230,9 +230,68 @@ pub(super) fn atan2<F: Fma>(y: f64, x: f64) -> f64 {
     f(result.to_bits() | y.to_bits() & 1 << 63)
 }
 
+/// `np.arccos`.
+#[inline(always)]
+pub(super) fn acos<F: Fma>(x: f64) -> f64 {
+    const PI: [f64; 2] = [f(0x4009_21fb_5444_2d18), f(0x3ca1_a626_3314_5c07)];
+    /// The coefficients of e^3 to 1 in the correction of a square root.
+    const ROOT: [f64; 4] = [
+        f(0xbf91_8000_993b_24c3),
+        f(0x3fa4_0000_6f70_d42d),
+        f(0xbfb7_ffff_ffff_fe97),
+        f(0x3fcf_ffff_ffff_ff9d),
+    ];
+    /// The coefficients of z^12 to z.
+    const C: [f64; 12] = [
+        f(0x3fa0_7520_c70e_b909),
+        f(0xbf90_fb17_f7db_b0ed),
+        f(0x3f94_3f44_bfbc_3bae),
+        f(0x3f7a_5833_95d4_5ed5),
+        f(0x3f88_f8dc_2afc_cad6),
+        f(0x3f8c_6dbb_cb88_bd57),
+        f(0x3f91_c6dc_f538_ad2e),
+        f(0x3f96_e89c_ebde_fadd),
+        f(0x3f9f_1c72_e13a_d8be),
+        f(0x3fa6_db6d_b3b4_45f8),
+        f(0x3fb3_3333_3337_e0de),
+        f(0x3fc5_5555_5555_529c),
+    ];
+    let length = x.abs();
+    if length.is_nan() || length > 1.0 {
+        return f64::NAN;
+    }
+    let sign = x.to_bits() & 1 << 63;
+    let signed = |number: f64| f(number.to_bits() ^ sign);
+    let half = F::fma(-length, 0.5, 0.5);
+    let z = (length * length).min(half);
+    // the asine of `-length`, or of the square root of `half`, and the angle to which it is added
+    let (mut arc, mut rest, mut angle) = (-length, 0.0, [PI[0] / 2.0, PI[1] / 2.0]);
+    if z >= half {
+        // SVML uses the CPU's approximation (`vrsqrt14pd`), which differs from this one for some
+        // numbers, and then the result for one in a thousand
+        let inverse = if half < f(0x3000_0000_0000_0000) {
+            0.0
+        } else {
+            f((1.0 / half.sqrt()).to_bits() + (1 << 38) & !((1 << 39) - 1))
+        };
+        let double = half + half;
+        arc = inverse * double;
+        let e = F::fma(inverse * inverse, double, -2.0);
+        let p = F::fma(F::fma(F::fma(ROOT[0], e, ROOT[1]), e, ROOT[2]), e, ROOT[3]);
+        rest = F::fma(arc * e, p, -F::fma(inverse, double, -arc));
+        angle = if x < 0.0 { PI } else { [0.0; 2] };
+    }
+    let z2 = z * z;
+    let high = F::fma(F::fma(C[0], z, C[1]), z2, F::fma(C[2], z, C[3]));
+    let low = F::fma(F::fma(C[4], z, C[5]), z2, F::fma(C[6], z, C[7]));
+    let p = F::fma(F::fma(high, z2 * z2, low), z2, F::fma(C[8], z, C[9]));
+    let p = F::fma(F::fma(p, z, C[10]), z, C[11]) * z;
+    signed(F::fma(arc - rest, p, signed(angle[1]) - rest) + arc) + angle[0]
+}
+
 #[cfg(test)]
 mod tests {
-    use super::super::{Emulated, Hardware, numpy_atan2, numpy_exp, numpy_ln_1p};
+    use super::super::{Emulated, Hardware, numpy_acos, numpy_atan2, numpy_exp, numpy_ln_1p};
     use super::*;
 
     /// Bits of arguments and results where numpy 2.4.6 with AVX-512 differs from glibc.
@@ -289,6 +348,18 @@ mod tests {
         ],
     ];
 
+    // numpy 2.5.5
+    const ACOS: [[u64; 2]; 8] = [
+        [0xbfe2_bb33_ad4e_5432, 0x4001_91a2_3a83_5cb6],
+        [0xbfec_8922_0133_3918, 0x4005_6032_a687_da80],
+        [0xbfeb_83dc_024b_0262, 0x4004_d89b_11fb_6238],
+        [0xbfe3_8a3e_7362_c674, 0x4001_d238_550a_ef98],
+        [0xbfd4_660f_9f47_5af4, 0x3ffe_52ad_67cc_1a60],
+        [0x3fdd_94d3_5e12_6904, 0x3ff1_71eb_2324_3ffc],
+        [0x3fd2_d2ba_3b3a_3d54, 0x3ff4_5b38_0f71_c482],
+        [0xbfd7_c341_75e5_91e8, 0x3fff_381a_44ba_2cdc],
+    ];
+
     #[test]
     fn results_are_numpys_with_and_without_fma() {
         for [x, y] in EXP.map(|pair| pair.map(f)) {
@@ -303,6 +374,16 @@ mod tests {
             let both = [atan2::<Hardware>(y, x), atan2::<Emulated>(y, x)];
             assert_eq!(both, [angle; 2], "{y} {x}");
         }
+        for [x, angle] in ACOS.map(|pair| pair.map(f)) {
+            let both = [acos::<Hardware>(x), acos::<Emulated>(x)];
+            assert_eq!(both, [angle; 2], "{x}");
+        }
+        let ends = [1.0, 0.0, -1.0].map(numpy_acos);
+        assert_eq!(
+            ends,
+            [0.0, std::f64::consts::FRAC_PI_2, std::f64::consts::PI]
+        );
+        assert!(numpy_acos(1.5).is_nan() && numpy_acos(f64::NAN).is_nan());
         assert_eq!(numpy_atan2(0.0, -1.0), std::f64::consts::PI);
         assert_eq!([numpy_exp(0.0), numpy_exp(-800.0)], [1.0, 0.0]);
         assert_eq!([numpy_ln_1p(0.0), numpy_ln_1p(-0.0)], [0.0, 0.0]);

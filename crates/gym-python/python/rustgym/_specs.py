@@ -84,12 +84,16 @@ def theirs(env_id: str) -> EnvSpec | None:
 
 
 def native_arguments(env_id: str, arguments: Mapping[str, Any]) -> str:
-    """The arguments as JSON for the Rust side, with the folder of ROMs of this Python installation."""
+    """The arguments as JSON for the Rust side, with the folders of ROMs and of robots of this Python installation."""
     defaults = spec_of(env_id)["defaults"]
     if "rom_dir" in defaults and arguments.get("rom_dir") is None and not os.environ.get("ALE_ROMS_DIR"):
         package = find_spec("ale_py")
         folders = [os.path.join(place, "roms") for place in (package and package.submodule_search_locations) or ()]
         arguments = {**arguments, "rom_dir": next(filter(os.path.isdir, folders), None)}
+    if "assets" in defaults and arguments.get("assets") is None and not os.environ.get("GYMNASIUM_ROBOTICS_ASSETS"):
+        package = find_spec("gymnasium_robotics")
+        folders = [os.path.join(place, "envs", "assets") for place in (package and package.submodule_search_locations) or ()]
+        arguments = {**arguments, "assets": next(filter(os.path.isdir, folders), None)}
     if isinstance(arguments.get("desc"), Sequence):  # FrozenLake's map: rows, or lists of characters
         arguments = {**arguments, "desc": np.asarray(arguments["desc"], dtype="c")}
     if isinstance(xml_file := arguments.get("xml_file"), str):

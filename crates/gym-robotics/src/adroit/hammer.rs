@@ -26,8 +26,8 @@ use gym_sim::{Observation, Rng, Simulation};
 use mujoco_engine::{CompiledModel, Data, Model};
 
 use super::hand::ArmJoint;
-use super::rotation::quat_to_euler;
 use super::{Skill, apart, ids, zeros};
+use crate::rotation::quat_to_euler;
 
 /// The task.
 #[derive(Debug)]

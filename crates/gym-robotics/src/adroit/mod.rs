@@ -8,7 +8,6 @@ pub mod hammer;
 mod hand;
 pub mod pen;
 pub mod relocate;
-mod rotation;
 
 use std::fmt::Debug;
 use std::marker::PhantomData;

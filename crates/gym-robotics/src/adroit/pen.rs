@@ -26,8 +26,8 @@ use gym_sim::{Observation, Rng, Simulation};
 use mujoco_engine::{CompiledModel, Data, Model};
 
 use super::hand::ArmJoint;
-use super::rotation::euler_to_quat;
 use super::{Skill, apart, ids, minus, zeros};
+use crate::rotation::euler_to_quat;
 
 /// The largest difference of a quaternion's length from 1.
 const LENGTH: f64 = 1e-3;

@@ -3,3 +3,4 @@
 mod adroit;
 mod episodes;
 mod mazes;
+mod robots;

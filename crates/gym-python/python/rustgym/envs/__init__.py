@@ -31,7 +31,7 @@ from rustgym.envs.classic_control import (
 from rustgym.envs.dm_control import ControlEnv
 from rustgym.envs.minigrid import GridEnv
 from rustgym.envs.mujoco import MODULES, MujocoEnv
-from rustgym.envs.robotics import CLASSES, AdroitEnv, GoalEnv
+from rustgym.envs.robotics import AdroitEnv, GoalEnv, RobotEnv, base_of, class_of_package
 from rustgym.envs.toy_text import BlackjackEnv, CliffWalkingEnv, FrozenLakeEnv, TaxiEnv, generate_random_map
 from rustgym.registration import registry
 from rustgym.vector_env import VectorEnv
@@ -53,6 +53,7 @@ __all__ = [
     "MountainCarEnv",
     "MujocoEnv",
     "PendulumEnv",
+    "RobotEnv",
     "TaxiEnv",
     "generate_random_map",
     "registry",
@@ -97,7 +98,7 @@ def _env_class(name: str, env_id: str) -> type[Env]:
     spec = SPECS[env_id]
     of_crate: dict[str, type[Env]] = {"gym-atari": AtariEnv, "gym-control": ControlEnv, "gym-minigrid": GridEnv}
     if spec["crate"] == "gym-robotics":
-        of_crate["gym-robotics"] = AdroitEnv if env_id.startswith("Adroit") else GoalEnv
+        of_crate["gym-robotics"] = base_of(env_id)
     base = of_crate.get(spec["crate"]) or _BASES.get(task_of(env_id), ClassEnv)
     # a game cannot be described without its ROM, others not without an argument: the base class has the metadata
     metadata = dict(base.metadata)
@@ -111,8 +112,8 @@ def _env_class(name: str, env_id: str) -> type[Env]:
     own = {"__doc__": doc, "__module__": __name__, "_id": env_id, "metadata": metadata, "_fps": metadata.get("render_fps")}
     made = type(name, (base,), own)
     # Gymnasium's name of the class, because environments print it
-    if base in (AdroitEnv, GoalEnv):
-        made.__name__ = next(name for task, name in CLASSES.items() if env_id.startswith(task))
+    if base in (AdroitEnv, GoalEnv, RobotEnv):
+        made.__name__ = class_of_package(env_id)
     elif base is MujocoEnv:
         made.__name__ = f"{task_of(env_id)}Env"
     elif base not in (ClassEnv, ControlEnv):

@@ -1,4 +1,4 @@
-"""The tasks of Gymnasium-Robotics: mazes with goals, and hands."""
+"""The tasks of Gymnasium-Robotics: mazes, arms and hands, with goals and without."""
 
 from __future__ import annotations
 
@@ -10,46 +10,51 @@ import numpy.typing as npt
 from rustgym._class_env import ClassEnv
 from rustgym.envs.dm_control import ControlEnv
 
-__all__ = ["CLASSES", "AdroitEnv", "GoalEnv"]
+__all__ = ["AdroitEnv", "GoalEnv", "RobotEnv", "base_of", "class_of_package"]
 
-#: The package's class of the ids that begin so.
-CLASSES = {
+_CLASSES = {
     "AdroitHandDoor": "AdroitHandDoorEnv",
     "AdroitHandHammer": "AdroitHandHammerEnv",
     "AdroitHandPen": "AdroitHandPenEnv",
     "AdroitHandRelocate": "AdroitHandRelocateEnv",
     "AntMaze": "AntMazeEnv",
+    "FetchPickAndPlace": "MujocoFetchPickAndPlaceEnv",
+    "FetchPush": "MujocoFetchPushEnv",
+    "FetchReach": "MujocoFetchReachEnv",
+    "FetchSlide": "MujocoFetchSlideEnv",
+    "FrankaKitchen": "KitchenEnv",
+    "HandManipulateBlock": "MujocoHandBlockEnv",
+    "HandManipulateEgg": "MujocoHandEggEnv",
+    "HandManipulatePen": "MujocoHandPenEnv",
+    "HandReach": "MujocoHandReachEnv",
     "PointMaze": "PointMazeEnv",
 }
 
 
+def class_of_package(env_id: str) -> str:
+    """The name of the package's class of an id."""
+    name = next(name for task, name in _CLASSES.items() if env_id.startswith(task))
+    return name.replace("Env", "TouchSensorsEnv") if "TouchSensors" in env_id else name
+
+
 class AdroitEnv(ClassEnv):
-    """A task of the Adroit hand, whose model is another in each episode: it is not shown."""
+    """A task of the Adroit hand, whose model is another in each episode, or of the kitchen: the model is not shown."""
 
 
 def _rows(goal: npt.ArrayLike) -> npt.NDArray[np.float64]:
     return np.asarray(goal, dtype=np.float64)
 
 
-class GoalEnv(ControlEnv):
-    """A task with goals: Gymnasium-Robotics' ``GoalEnv``.
+class _Goals:
+    """The rewards of goals."""
 
-    The observation is a dict of ``observation``, ``achieved_goal`` and ``desired_goal``. It has the attributes of the MuJoCo tasks:
-    ``data``, ``model``, ``set_state``, ``dt``. ``qpos``, ``qvel``, ``qacc_warmstart`` and ``time`` of ``data`` can be written; any
-    other change is an error of the next call.
-    """
-
-    _package = "Gymnasium-Robotics"
-
-    @property
-    def _has_contact_forces(self) -> bool:
-        return True
+    _native: Any
 
     def compute_reward(self, achieved_goal: npt.ArrayLike, desired_goal: npt.ArrayLike, info: Any) -> Any:
         """The reward of a step that achieved one goal while another was desired.
 
         Args:
-            achieved_goal: A goal (2 numbers), or a batch of them with further dimensions in front.
+            achieved_goal: A goal (its numbers), or a batch of them with further dimensions in front.
             desired_goal: A goal, or a batch of the same form.
             info: Not used.
 
@@ -79,3 +84,32 @@ class GoalEnv(ControlEnv):
         pairs = zip(achieved.reshape(-1, achieved.shape[-1]), desired.reshape(-1, desired.shape[-1]), strict=True)
         flags = [self._native.compute_flags(one.copy(), other.copy())[which] for one, other in pairs]
         return np.array(flags, dtype=bool).reshape(achieved.shape[:-1])
+
+
+class GoalEnv(_Goals, ControlEnv):
+    """A maze: Gymnasium-Robotics' ``GoalEnv``.
+
+    The observation is a dict of ``observation``, ``achieved_goal`` and ``desired_goal``. It has the attributes of the MuJoCo tasks:
+    ``data``, ``model``, ``set_state``, ``dt``. ``qpos``, ``qvel``, ``qacc_warmstart`` and ``time`` of ``data`` can be written; any
+    other change is an error of the next call.
+    """
+
+    _package = "Gymnasium-Robotics"
+
+    @property
+    def _has_contact_forces(self) -> bool:
+        return True
+
+
+class RobotEnv(_Goals, ClassEnv):
+    """A task of the Fetch arm or of the Shadow hand, on models of the installed package: Gymnasium-Robotics' ``GoalEnv``.
+
+    The observation is a dict of ``observation``, ``achieved_goal`` and ``desired_goal``. The model is not shown.
+    """
+
+
+def base_of(env_id: str) -> type[ClassEnv]:
+    """The base of an id's class."""
+    if env_id.startswith(("Adroit", "Franka")):
+        return AdroitEnv
+    return GoalEnv if "Maze" in env_id else RobotEnv

@@ -87,6 +87,8 @@ mod documents {
     struct Readme;
     #[doc = include_str!("../../docs/rendering.md")]
     struct Rendering;
+    #[doc = include_str!("../../docs/robotics.md")]
+    struct Robotics;
     #[doc = include_str!("../../docs/spaces.md")]
     struct Spaces;
     #[doc = include_str!("../../docs/training.md")]

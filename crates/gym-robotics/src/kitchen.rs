@@ -15,8 +15,8 @@
 //! Models and meshes are those of the Python package, which the user has installed: see
 //! [`assets`](crate::assets).
 //!
-//! Differences from Gymnasium-Robotics: all numbers equal its numbers with the version of MuJoCo
-//! that `mujoco` names, for Linux on x86-64. The reward of other goals, which in the package depends
+//! Differences from Gymnasium-Robotics: all numbers are Gymnasium-Robotics' with the version of
+//! MuJoCo that `mujoco` names, for Linux on x86-64. The reward of other goals, which in the package depends
 //! on the tasks that the episode has completed, is not computed. The package's lists of tasks have
 //! no order.
 //!

@@ -272,7 +272,7 @@ pub(super) fn acos<F: Fma>(x: f64) -> f64 {
         let inverse = if half < f(0x3000_0000_0000_0000) {
             0.0
         } else {
-            f((1.0 / half.sqrt()).to_bits() + (1 << 38) & !((1 << 39) - 1))
+            f(((1.0 / half.sqrt()).to_bits() + (1 << 38)) & !((1 << 39) - 1))
         };
         let double = half + half;
         arc = inverse * double;

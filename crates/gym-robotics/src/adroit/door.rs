@@ -14,8 +14,8 @@
 //!
 //! Differences from Gymnasium-Robotics: all numbers are Gymnasium-Robotics' with the version of
 //! MuJoCo that `mujoco` names, for Linux on x86-64. The hand has no visual meshes, and sensors that
-//! no observation reads are left out. Dense rewards are numpy's on a CPU with AVX-512; on others
-//! numpy rounds lengths otherwise, in the last bit.
+//! no observation reads are left out. Dense rewards are numpy's on a CPU for which OpenBLAS has a
+//! kernel with AVX2 and none with AVX-512; with such a kernel, lengths differ in the last bit.
 //!
 //! Source: Gymnasium-Robotics 1.4.2, `envs/adroit_hand/adroit_door.py`, and the hand of Vikash
 //! Kumar's ADROIT.

@@ -14,14 +14,14 @@
 //!
 //! Differences from Gymnasium-Robotics: all numbers are Gymnasium-Robotics' with the version of
 //! MuJoCo that `mujoco` names, for Linux on x86-64. The hand has no visual meshes, and sensors that
-//! no observation reads are left out. Dense rewards are numpy's on a CPU with AVX-512; on others
-//! numpy rounds lengths otherwise, in the last bit.
+//! no observation reads are left out. Dense rewards are numpy's on a CPU for which OpenBLAS has a
+//! kernel with AVX2 and none with AVX-512; with such a kernel, lengths differ in the last bit.
 //!
 //! Source: Gymnasium-Robotics 1.4.2, `envs/adroit_hand/adroit_hammer.py`, and the hand of Vikash
 //! Kumar's ADROIT.
 
 use gym_core::Result;
-use gym_sim::numpy::norm;
+use gym_sim::numpy::norm_avx2;
 use gym_sim::{Observation, Rng, Simulation};
 use mujoco_engine::{CompiledModel, Data, Model};
 
@@ -95,7 +95,7 @@ impl Skill for Hammer {
         let mut reward = 0.1 * apart(palm, hammer);
         reward -= apart(head, nail);
         reward -= 10.0 * distance;
-        reward -= 1e-2 * norm(4, &d.qvel);
+        reward -= 1e-2 * norm_avx2(&d.qvel);
         if hammer[2] > 0.04 && head[2] > 0.04 {
             reward += 2.0;
         }

@@ -16,7 +16,7 @@ use std::sync::Arc;
 use gym_core::registry::{Build, Clip};
 use gym_core::spaces::BoxSpace;
 use gym_core::{Array, Error, Kwargs, Registration, Result};
-use gym_sim::numpy::norm;
+use gym_sim::numpy::norm_avx2;
 use gym_sim::view::CameraConfig;
 use gym_sim::{
     Common, Measured, Measures, Observation, Rng, Settings, SimEnv, SimTask, Simulation, Start,
@@ -292,7 +292,7 @@ fn minus<const N: usize>(a: [f64; N], b: [f64; N]) -> [f64; N] {
 
 /// The distance of two places.
 fn apart(a: [f64; 3], b: [f64; 3]) -> f64 {
-    norm(4, &minus(a, b))
+    norm_avx2(&minus(a, b))
 }
 
 /// The registration that all tasks share.

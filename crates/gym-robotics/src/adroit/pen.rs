@@ -14,14 +14,14 @@
 //!
 //! Differences from Gymnasium-Robotics: all numbers are Gymnasium-Robotics' with the version of
 //! MuJoCo that `mujoco` names, for Linux on x86-64. The hand has no visual meshes, and sensors that
-//! no observation reads are left out. Dense rewards are numpy's on a CPU with AVX-512; on others
-//! numpy rounds lengths otherwise, in the last bit.
+//! no observation reads are left out. Dense rewards are numpy's on a CPU for which OpenBLAS has a
+//! kernel with AVX2 and none with AVX-512; with such a kernel, lengths differ in the last bit.
 //!
 //! Source: Gymnasium-Robotics 1.4.2, `envs/adroit_hand/adroit_pen.py`, and the hand of Vikash
 //! Kumar's ADROIT.
 
 use gym_core::Result;
-use gym_sim::numpy::{inner, norm};
+use gym_sim::numpy::{inner_avx2, norm_avx2};
 use gym_sim::{Observation, Rng, Simulation};
 use mujoco_engine::{CompiledModel, Data, Model};
 
@@ -84,7 +84,7 @@ impl Skill for Pen {
     }
 
     fn fault(&self, constants: &[f64]) -> Option<&'static str> {
-        let length = norm(4, constants);
+        let length = norm_avx2(constants);
         let is_one = (length - 1.0).abs() <= LENGTH;
         (!is_one).then_some("`desired_orien` is a quaternion, whose length is 1")
     }
@@ -118,7 +118,7 @@ impl Skill for Pen {
     fn judge(&self, d: &Data) -> (f64, bool) {
         let (place, [direction, goal]) = (d.xpos[self.pen], self.directions(d));
         let distance = apart(place, d.site_xpos[self.place]);
-        let similarity = inner(&direction, &goal);
+        let similarity = inner_avx2(&direction, &goal);
         let mut reward = -distance + similarity;
         for (least, bonus) in [(0.9, 10.0), (0.95, 50.0)] {
             if distance < 0.075 && similarity > least {

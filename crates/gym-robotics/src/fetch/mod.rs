@@ -14,8 +14,8 @@
 //! Models and meshes are those of the Python package, which the user has installed: see
 //! [`assets`](crate::assets).
 //!
-//! Differences from Gymnasium-Robotics: all numbers equal its numbers with the version of MuJoCo
-//! that `mujoco` names, for Linux on x86-64, and with numpy on a CPU without AVX-512 in OpenBLAS;
+//! Differences from Gymnasium-Robotics: all numbers are Gymnasium-Robotics' with the version of
+//! MuJoCo that `mujoco` names, for Linux on x86-64, and with numpy on a CPU without AVX-512 in OpenBLAS;
 //! with it, velocities differ in the last bit. A picture changes nothing, where the package computes
 //! the state anew, so that the step after it starts from other places.
 //!

@@ -11,8 +11,8 @@
 //!
 //! `info` has `is_success` after a step: 1 at the goal, else 0.
 //!
-//! Differences from Gymnasium-Robotics: all numbers equal its numbers with the version of MuJoCo
-//! that `mujoco` names, for Linux on x86-64, and with numpy on a CPU without AVX-512 in OpenBLAS;
+//! Differences from Gymnasium-Robotics: all numbers are Gymnasium-Robotics' with the version of
+//! MuJoCo that `mujoco` names, for Linux on x86-64, and with numpy on a CPU without AVX-512 in OpenBLAS;
 //! with it, goals differ in the last bit. An episode that is seeded does not depend on the one
 //! before, from which the package keeps the solver's starting point. Pictures show all touch sensors
 //! alike. The arguments `relative_control`, `initial_qpos` and `n_substeps`, and targets whose

@@ -11,8 +11,8 @@
 //!
 //! `info` has `is_success` after a step: 1 if the distance is less than 0.01 m, else 0.
 //!
-//! Differences from Gymnasium-Robotics: all numbers equal its numbers with the version of MuJoCo
-//! that `mujoco` names, for Linux on x86-64, and with numpy on a CPU without AVX-512 in OpenBLAS;
+//! Differences from Gymnasium-Robotics: all numbers are Gymnasium-Robotics' with the version of
+//! MuJoCo that `mujoco` names, for Linux on x86-64, and with numpy on a CPU without AVX-512 in OpenBLAS;
 //! with it, goals differ in the last bit. The arguments `relative_control` and `n_substeps`, for
 //! which the package fails, are left out.
 //!

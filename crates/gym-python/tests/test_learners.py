@@ -162,3 +162,30 @@ def test_a_list_of_seeds_ends() -> None:
         envs.step([0, 0])
     with pytest.raises(gymnasium.error.Error, match="Seed 0 must be a whole number"):
         rustgym.make_vec("CartPole-v1", num_envs=2, seeds=["x"]).reset()
+
+
+def test_hindsight_replay_trains_on_a_maze() -> None:
+    pytest.importorskip("stable_baselines3")
+    from stable_baselines3 import SAC, HerReplayBuffer
+
+    env = rustgym.make("PointMaze_UMaze-v3", max_episode_steps=50)
+    model = SAC(
+        "MultiInputPolicy",
+        env,
+        replay_buffer_class=HerReplayBuffer,
+        replay_buffer_kwargs={"n_sampled_goal": 4, "goal_selection_strategy": "future"},
+        learning_starts=60,
+        batch_size=32,
+        train_freq=32,
+        policy_kwargs={"net_arch": [16]},
+        seed=0,
+        device="cpu",
+    )
+    model.learn(160)
+    assert model.num_timesteps == 160 and model._n_updates > 0
+    batch = model.replay_buffer.sample(256)
+    reached, wanted = (batch.next_observations[key].numpy() for key in ("achieved_goal", "desired_goal"))
+    own = env.reset(seed=0)[0]["desired_goal"]
+    assert len(np.unique(wanted, axis=0)) > 10 and own.shape == (2,), "goals were taken from later steps"
+    expected = env.unwrapped.compute_reward(reached, wanted, {})
+    assert np.array_equal(batch.rewards.numpy()[:, 0], expected) and expected.any()

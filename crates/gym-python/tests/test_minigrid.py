@@ -9,6 +9,7 @@ import pytest
 from conftest import assert_same
 
 import rustgym
+from rustgym._specs import class_of, registered, spec_of
 
 minigrid = pytest.importorskip("minigrid")
 import gymnasium  # noqa: E402
@@ -93,3 +94,13 @@ def test_actions_beyond_three_turn_left_before_dynamic_obstacles() -> None:
                 env.reset()
     with pytest.raises(Exception, match="invalid action"):
         ours.step("left")
+
+
+def test_names_of_classes() -> None:
+    ids = [env_id for env_id in rustgym.ids() if spec_of(env_id)["crate"] == "gym-minigrid"]
+    assert len(ids) == 172
+    for env_id in ids:
+        theirs = registered(env_id)
+        assert theirs is not None and class_of(env_id).__name__ == str(theirs.entry_point).partition(":")[2], env_id
+    text = "<OrderEnforcing<PassiveEnvChecker<EmptyEnv<MiniGrid-Empty-8x8-v0>>>>"
+    assert str(rustgym.make("MiniGrid-Empty-8x8-v0")) == text

@@ -29,7 +29,7 @@ from rustgym.envs.classic_control import (
     PendulumEnv,
 )
 from rustgym.envs.dm_control import ControlEnv
-from rustgym.envs.minigrid import GridEnv
+from rustgym.envs.minigrid import GridEnv, name_of_class
 from rustgym.envs.mujoco import MODULES, MujocoEnv
 from rustgym.envs.robotics import AdroitEnv, GoalEnv, RobotEnv, base_of, class_of_package
 from rustgym.envs.toy_text import BlackjackEnv, CliffWalkingEnv, FrozenLakeEnv, TaxiEnv, generate_random_map
@@ -116,6 +116,8 @@ def _env_class(name: str, env_id: str) -> type[Env]:
         made.__name__ = class_of_package(env_id)
     elif base is MujocoEnv:
         made.__name__ = f"{task_of(env_id)}Env"
+    elif base is GridEnv:
+        made.__name__ = name_of_class(env_id)
     elif base not in (ClassEnv, ControlEnv):
         made.__name__ = base.__name__
     return made

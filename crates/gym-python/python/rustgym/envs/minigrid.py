@@ -29,6 +29,40 @@ _CALLED = frozenset(
 Actions = IntEnum("Actions", "left right forward pickup drop toggle done", start=0)
 
 
+# minigrid's classes whose names (without `Env`, for MiniGrid) begin the names of their ids
+_MINIGRID = """BlockedUnlockPickup DistShift DoorKey DynamicObstacles Empty Fetch FourRooms GoToDoor GoToObject KeyCorridor LavaGap
+    LockedRoom Memory MultiRoom Playground PutNear RedBlueDoor Unlock UnlockPickup""".split()
+_BABYAI = """ActionObjDoor BlockedUnlockPickup BossLevel BossLevelNoUnlock GoTo GoToDoor GoToImpUnlock GoToLocal GoToObj GoToObjDoor
+    GoToRedBall GoToRedBallGrey GoToRedBallNoDists GoToRedBlueBall GoToSeq KeyCorridor KeyInBox MiniBossLevel MoveTwoAcross Open
+    OpenDoor OpenDoorsOrder OpenRedDoor OpenTwoDoors Pickup PickupAbove PickupDist PickupLoc PutNext PutNextLocal Synth SynthLoc
+    SynthSeq UnblockPickup Unlock UnlockLocal UnlockPickup UnlockToUnlock""".split()
+# the others, by the beginning of the id
+_OTHERS = {
+    "BabyAI-FindObj": "FindObjS5",
+    "BabyAI-GoToObjMaze": "GoTo",
+    "BabyAI-OneRoom": "OneRoomS8",
+    "BabyAI-OpenRedBlueDoors": "OpenTwoDoors",
+    "MiniGrid-LavaCrossing": "CrossingEnv",
+    "MiniGrid-ObstructedMaze": "ObstructedMaze_Full",
+    "MiniGrid-ObstructedMaze-1Dl": "ObstructedMaze_1Dlhb",
+    "MiniGrid-SimpleCrossing": "CrossingEnv",
+}
+_CLASSES = {
+    **{f"MiniGrid-{name}": f"{name}Env" for name in _MINIGRID},
+    **{f"BabyAI-{name}": name for name in _BABYAI},
+    **_OTHERS,
+}
+
+
+def name_of_class(env_id: str) -> str:
+    """The name of minigrid's class of an id."""
+    if env_id.startswith("MiniGrid-ObstructedMaze-") and env_id.endswith("-v1"):
+        return "ObstructedMaze_Full_V1"
+    name = env_id.replace("Dynamic-", "Dynamic")
+    starts = [start for start in _CLASSES if name.startswith(start)]
+    return _CLASSES[max(starts, key=len)] if starts else "GridEnv"
+
+
 class Cell(NamedTuple):
     """An object in a grid."""
 

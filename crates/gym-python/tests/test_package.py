@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import ast
 import doctest
 import inspect
 import io
+import json
 import pydoc
 import re
 import subprocess
@@ -234,3 +236,26 @@ def test_a_users_types(module: str, options: list[str], wrong: str, tmp_path: Pa
     found = re.findall(r"script\.py:(\d+)\S* -? ?error:", result.stdout)
     lines = [str(number) for number, line in enumerate(USERS_SCRIPT.splitlines(), 1) if line.endswith("# WRONG")]
     assert found == lines, result.stdout + result.stderr
+
+
+def test_the_notebook_runs(capsys: pytest.CaptureFixture[str]) -> None:
+    pyplot = pytest.importorskip("matplotlib.pyplot")
+    pytest.importorskip("tqdm")
+    path = Path(__file__).parents[3] / "docs/python/notebook.ipynb"
+    if not path.exists():
+        pytest.skip("the notebook is not part of the source distribution")
+    pyplot.switch_backend("agg")
+    scope: dict[str, Any] = {}
+    values = []
+    for cell in json.loads(path.read_text())["cells"]:
+        if cell["cell_type"] == "code":
+            *body, last = ast.parse("".join(cell["source"])).body
+            if not isinstance(last, ast.Expr):
+                body.append(last)
+            exec(compile(ast.Module(body, []), "notebook", "exec"), scope)
+            if isinstance(last, ast.Expr):
+                values.append(eval(compile(ast.Expression(last.value), "notebook", "eval"), scope))
+    shown = [value for value in values if isinstance(value, notebook.Pictures)]
+    assert len(shown) == 4 and len(shown[1].frames) > 50 and (shown[2].width, shown[2].height) == (1200, 200)
+    assert all(picture._repr_png_().startswith(b"\x89PNG") for picture in shown)
+    assert "CartPole-v1" in capsys.readouterr().out and (64, 105) in values

@@ -127,8 +127,7 @@ class MujocoEnv(ClassEnv):
         super().__init__(*args, **kwargs)
         self.metadata = dict(self.metadata)
         mro = type(self).__mro__
-        users = [cls for cls in mro[: mro.index(MujocoEnv)] if cls.__module__ != "rustgym.envs"]
-        own = {name for cls in users for name in vars(cls)}
+        own = {name for cls in mro[: mro.index(MujocoEnv)] if cls.__module__ != "rustgym.envs" for name in vars(cls)}
         self._overrides = any(map(self._is_called, own))
         if (installed := _installed()) is not None and not self._is_of_version(installed):
             versions = self._made_of["versions"]
@@ -142,7 +141,6 @@ class MujocoEnv(ClassEnv):
             self._hand_over("a method that Gymnasium's task calls", warn=False)
 
     # these tasks are handed over to MuJoCo's package; opened are only classes that make the model or the action space
-
     @classmethod
     def _is_opened(cls, kwargs: dict[str, Any]) -> bool:
         made = ("_initialize_simulation", "_set_action_space")

@@ -29,6 +29,7 @@ parser.add_argument("--env", default="HalfCheetah-v5")
 parser.add_argument("--envs", type=int, default=16, help="how many environments there are in all")
 parser.add_argument("--steps", type=int, default=200, help="the steps of each in a batch")
 parser.add_argument("--batches", type=int, default=5)
+parser.add_argument("--collectors", type=int, nargs="+", default=[1, 2, 4], help="how many of Ray's share the seeds, one number after the other")
 arguments = parser.parse_args()
 SEED = 100
 
@@ -110,7 +111,7 @@ if __name__ == "__main__":
     policy = TensorDictModule(Act(single.action_spec.shape[-1]), in_keys=["observation"], out_keys=["action"])
     expected, rate = sample(0, policy)
     print(f"in this process: {rate:.0f} samples per second")
-    for count in (1, 2, 4):
+    for count in arguments.collectors:
         found, rate = sample(count, policy)
         assert found == expected, "a seed gave other samples"
         print(f"{count} collectors: {rate:.0f} samples per second, the samples of each seed are the same")

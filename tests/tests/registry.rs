@@ -233,6 +233,32 @@ fn reset_options_that_are_not_known_are_refused() {
     make("Taxi-v4").unwrap().reset(reset()).unwrap();
 }
 
+/// Every native vector refuses unknown options as its environments do.
+#[test]
+fn native_vectors_refuse_unknown_reset_options() {
+    let mut modules = std::collections::BTreeSet::new();
+    for registration in registry::all() {
+        let names = registration.reset_options.0;
+        let is_native = registration.vector_entry_point.is_some() && !names.is_empty();
+        if !is_native || !modules.insert(registration.source.module) {
+            continue;
+        }
+        let id = registration.id();
+        let kind = gym::vector::VectorKind::Native;
+        let mut envs = gym::make_vec(id, 2, kind).unwrap();
+        let mut columns = envs.columns().unwrap();
+        let reset = gym::vector::VectorReset::from(1).option("no_such_option", 1);
+        let error = envs.reset_into(&reset, &mut columns).unwrap_err();
+        let known = format!("(known are `{}`", names[0].0);
+        assert!(error.to_string().contains(&known), "{id}: {error}");
+        envs.reset(1).unwrap();
+    }
+    // equations, Box2D (nothing to name), MuJoCo
+    for module in ["gym_classic::cartpole", "gym_robotics::point_maze"] {
+        assert!(modules.contains(module), "{module} of {modules:?}");
+    }
+}
+
 #[test]
 fn an_id_without_its_namespace_is_suggested_with_it() {
     for (asked, meant) in [

@@ -19,7 +19,7 @@ pub(crate) fn examples(subject: &Subject<'_>) -> Verdict<Vec<(&'static str, Json
         .registration
         .as_ref()
         .map(|registration| registration.reset_options);
-    let named = named.unwrap_or_default();
+    let named = named.unwrap_or_default().0;
     if named.is_empty() {
         return skipped("its registration names no reset options");
     }
@@ -40,7 +40,7 @@ pub(crate) fn unknown(subject: &Subject<'_>) -> Verdict {
     let knows_options = subject
         .registration
         .as_ref()
-        .map(|registration| !registration.reset_options.is_empty());
+        .map(|registration| !registration.reset_options.0.is_empty());
     match subject
         .make()?
         .reset(Reset::seed(3).option("no_such_option", "x"))

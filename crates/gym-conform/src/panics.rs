@@ -143,7 +143,7 @@ fn odd_options(subject: &Subject<'_>) -> impl Iterator<Item = (&'static str, Jso
         .registration
         .as_ref()
         .map(|registration| registration.reset_options);
-    let names = named.unwrap_or_default().iter().map(|(name, _)| *name);
+    let names = named.unwrap_or_default().0.iter().map(|(name, _)| *name);
     names
         .chain(["low", "high", "seed", "options", ""])
         .flat_map(move |name| values.clone().map(|value| (name, value)))

@@ -1,6 +1,6 @@
 //! Native vectors of environments of one type, without the cost of erased environments.
 
-use gym_core::registry::build;
+use gym_core::registry::{build, find};
 use gym_core::vector::{BoxVector, SyncVectorEnv, VectorSpec};
 use gym_core::{Arguments, Error, Result};
 
@@ -26,5 +26,7 @@ fn vector(env: &GridEnv, spec: &VectorSpec) -> Result<BoxVector> {
     if spec.env.max_episode_steps.is_some() {
         return only("`max_steps` is the limit of steps, and there is no other");
     }
-    Ok(Box::new(SyncVectorEnv::native(spec, |_| Ok(env.clone()))?))
+    let options = find(&spec.env.id)?.reset_options;
+    let vector = SyncVectorEnv::native(spec, options, |_| Ok(env.clone()))?;
+    Ok(Box::new(vector))
 }

@@ -45,7 +45,7 @@ mod step;
 mod varied;
 
 use gym_core::math::Real;
-use gym_core::registry::{ResetOptions, VectorKind, VectorSpec, find};
+use gym_core::registry::{VectorKind, VectorSpec, find};
 use gym_core::rng::Stream;
 use gym_core::vector::VectorEnv;
 use gym_core::{Dynamics, Error, Result, Task, arguments};
@@ -163,10 +163,10 @@ pub fn entry_point<D: Native>(spec: &VectorSpec) -> Result<Box<dyn VectorEnv>> {
     let envs = NativeVectorEnv::new(task, *num_envs, env.max_episode_steps, *autoreset_mode)?;
     let mut spec = spec.clone();
     spec.vectorization_mode = VectorKind::Native;
-    Ok(Box::new(envs.with_each(&spec.each)?.registered(
-        spec,
-        ResetOptions(registration.reset_options),
-    )))
+    Ok(Box::new(
+        envs.with_each(&spec.each)?
+            .registered(spec, registration.reset_options),
+    ))
 }
 
 /// The example of the README, compiled and run.

@@ -38,7 +38,7 @@ pub(crate) fn specs() -> PyResult<String> {
             "reward_threshold": reward_threshold,
             "max_episode_steps": max_episode_steps,
             "nondeterministic": nondeterministic,
-            "reset_options": registration.reset_options.iter().map(|(name, _)| *name).collect::<Vec<_>>(),
+            "reset_options": registration.reset_options.0.iter().map(|(name, _)| *name).collect::<Vec<_>>(),
             "native_vector": registration.vector_entry_point.is_some(),
         }))
     };

@@ -28,7 +28,7 @@ use gym_core::registry::{Build, Clip, Exceptions};
 use gym_core::{Argument, Arguments, Error, Kwargs, Registration, Result};
 use gym_mujoco::ant;
 use gym_sim::view::CameraConfig;
-use gym_sim::{Common, FromArguments, SimEnv, TaskArguments};
+use gym_sim::{Common, FromArguments, SimEnv, TaskArguments, register};
 use serde::de::Error as _;
 use serde::{Deserialize, Deserializer, Serialize};
 
@@ -152,7 +152,7 @@ const OLD: Exceptions = &[
 ];
 
 const fn ant(id: &'static str, kwargs: &'static str, steps: u32) -> Registration {
-    Registration::new::<AntMaze>(id)
+    register::<AntMaze>(id)
         .description("Walk through a maze to a goal on four legs.")
         .kwargs(kwargs)
         .max_episode_steps(steps)

@@ -24,7 +24,7 @@ use gym_core::keys::{Keys, json};
 use gym_core::registry::{Build, Clip};
 use gym_core::{Array, Registration, Result};
 use gym_sim::view::CameraConfig;
-use gym_sim::{Common, Measured, Observation, SimEnv, SimTask, Simulation, Start};
+use gym_sim::{Common, Measured, Observation, SimEnv, SimTask, Simulation, Start, register};
 use mujoco_engine::lanes::Derived;
 use mujoco_engine::{Data, Model};
 
@@ -104,7 +104,7 @@ impl SimTask for Ball {
 
 /// The registration that all ids share.
 const fn point(id: &'static str, kwargs: &'static str, steps: u32) -> Registration {
-    Registration::new::<PointMaze>(id)
+    register::<PointMaze>(id)
         .description("Push a ball through a maze to a goal.")
         .kwargs(kwargs)
         .max_episode_steps(steps)

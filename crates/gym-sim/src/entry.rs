@@ -3,7 +3,7 @@
 use std::marker::PhantomData;
 use std::sync::Arc;
 
-use gym_core::registry::{Build, build};
+use gym_core::registry::{Build, build, find};
 use gym_core::vector::{BoxVector, VectorSpec, lockstep};
 use gym_core::wrappers::TimeLimit;
 use gym_core::{EnvSpec, Registration, Result};
@@ -119,6 +119,7 @@ fn vector<B: Build<Env = SimEnv>>(spec: &VectorSpec) -> Result<BoxVector> {
 }
 
 fn vector_of(spec: &VectorSpec, make: fn(&EnvSpec) -> Result<SimEnv>) -> Result<BoxVector> {
+    let options = find(&spec.env.id)?.reset_options;
     let first = make(&spec.env)?;
     let make = |index| {
         if spec.each.is_empty() {
@@ -129,8 +130,8 @@ fn vector_of(spec: &VectorSpec, make: fn(&EnvSpec) -> Result<SimEnv>) -> Result<
     match spec.env.max_episode_steps {
         Some(limit) => {
             let limited = |index| TimeLimit::new(make(index)?, limit);
-            lockstep::native::<SimEnv, _>(spec, limited)
+            lockstep::native::<SimEnv, _>(spec, options, limited)
         }
-        None => lockstep::native::<SimEnv, _>(spec, make),
+        None => lockstep::native::<SimEnv, _>(spec, options, make),
     }
 }

@@ -465,7 +465,7 @@ fn a_panic_anywhere_stays_within_the_vector() {
     };
     let spec = builder("CartPole-v1").spec().unwrap();
     let spec = gym::vector::VectorSpec::new(spec, 3, gym::registry::VectorKind::Native);
-    let error = SyncVectorEnv::native(&spec, made)
+    let error = SyncVectorEnv::native(&spec, Default::default(), made)
         .err()
         .unwrap()
         .to_string();

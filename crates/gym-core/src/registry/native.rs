@@ -31,9 +31,12 @@ pub fn build<B: Build>(spec: &EnvSpec) -> Result<B::Env> {
 pub(super) fn entry_point<E: Lockstep + Configure>(
     spec: &VectorSpec,
 ) -> Result<Box<dyn VectorEnv>> {
+    let options = find(&spec.env.id)?.reset_options;
     let make = |index| build::<E>(&spec.env_at(index));
     match spec.env.max_episode_steps {
-        Some(limit) => lockstep::native::<E, _>(spec, |index| TimeLimit::new(make(index)?, limit)),
-        None => lockstep::native::<E, _>(spec, make),
+        Some(limit) => {
+            lockstep::native::<E, _>(spec, options, |index| TimeLimit::new(make(index)?, limit))
+        }
+        None => lockstep::native::<E, _>(spec, options, make),
     }
 }

@@ -100,7 +100,7 @@ pub struct Registration {
     pub description: &'static str,
     /// The environment's [reset options](field@crate::Reset::options), each with an example as
     /// JSON.
-    pub reset_options: &'static [(&'static str, &'static str)],
+    pub reset_options: ResetOptions,
     /// Checks of the crate gym-conform that this id may fail, each with the reason.
     pub exceptions: Exceptions,
     /// A requirement outside the crates, such as ROMs.
@@ -152,7 +152,7 @@ impl Registration {
                 file: "",
             },
             description: "",
-            reset_options: &[],
+            reset_options: ResetOptions(&[]),
             exceptions: &[],
             needs: None,
             vector_entry_point: None,
@@ -231,7 +231,7 @@ impl Registration {
     /// none are named, the environment receives every option.
     #[must_use]
     pub const fn reset_options(mut self, options: &'static [(&'static str, &'static str)]) -> Self {
-        self.reset_options = options;
+        self.reset_options = ResetOptions(options);
         self
     }
 
@@ -409,7 +409,7 @@ inventory::collect!(Registration);
 fn construct<E: Build>(registration: &Registration, spec: &EnvSpec) -> Result<BoxEnv> {
     let (version, whose) = (registration.rules(), format!("`{}`", spec.id));
     let config = || arguments::read(&E::defaults(version), version, &spec.kwargs, &whose);
-    let options = ResetOptions(registration.reset_options);
+    let options = registration.reset_options;
     if let Some(mode) = spec.render_mode
         && let Some(env) = E::build_to_render(config()?, mode.single())?
     {

@@ -18,7 +18,7 @@ use std::marker::PhantomData;
 use super::slot::{Request, Slot};
 use super::{Autoreset, SyncVectorEnv, VectorEnv, VectorSpec};
 use crate::env::{BoxEnv, Env, EnvExt};
-use crate::spec::Reset;
+use crate::spec::{Reset, ResetOptions};
 use crate::value::{Element, Result};
 
 /// The buffers of a group of environments for a step, and the part of the step that is computed for
@@ -156,15 +156,16 @@ impl<E: Lockstep, W: Env> SlotGroup<W> for WrappedGroup<E, W> {
 }
 
 /// Makes a native vector of the environments that `make` gives for each index: a sync vector whose
-/// sub-environments step together.
+/// sub-environments step together. `options` are those of the registration.
 ///
 /// # Errors
 /// Those of `make`, and as [`SyncVectorEnv::native`].
 pub fn native<E: Lockstep, W: Env>(
     spec: &VectorSpec,
+    options: ResetOptions,
     make: impl Fn(usize) -> Result<W>,
 ) -> Result<Box<dyn VectorEnv>> {
-    let vector = SyncVectorEnv::native(spec, make)?;
+    let vector = SyncVectorEnv::native(spec, options, make)?;
     Ok(Box::new(
         vector.in_lockstep(Box::new(WrappedGroup::<E, W>::default())),
     ))

@@ -8,6 +8,7 @@ use super::{Autoreset, Columns, ObservationMode, VectorEnv, VectorKind, VectorRe
 use crate::drawing::render::{Metadata, Rendered};
 use crate::env::{BoxEnv, Env, EnvExt, Inspect};
 use crate::spaces::Space;
+use crate::spec::ResetOptions;
 use crate::value::{Result, Snapshot, Value};
 
 /// Steps its sub-environments one after the other, on the calling thread: Gymnasium's
@@ -35,6 +36,8 @@ pub struct SyncVectorEnv<E: Env = BoxEnv> {
     spaces: Spaces,
     autoreset: Autoreset,
     spec: Option<VectorSpec>,
+    /// The options that a native vector knows; the environments of another check their own.
+    reset_options: ResetOptions,
     /// The joint step of a native vector.
     lockstep: Option<Box<dyn SlotGroup<E>>>,
 }
@@ -63,6 +66,7 @@ impl<E: Env> SyncVectorEnv<E> {
             spaces,
             autoreset: Autoreset::default(),
             spec: None,
+            reset_options: ResetOptions::default(),
             lockstep: None,
         })
     }
@@ -75,19 +79,27 @@ impl<E: Env> SyncVectorEnv<E> {
 
     /// The native vector of a spec, for an
     /// [entry point](crate::registry::VectorEntryPoint): `make` gives the sub-environment of an
-    /// index. They step one by one, without the cost of erased types.
+    /// index. They step one by one, without the cost of erased types. `options` are those of the
+    /// [registration](crate::Registration::reset_options()): others are refused.
     ///
     /// # Errors
     /// Those of `make`, and [`Error::InvalidArgument`](crate::Error::InvalidArgument) for a number
     /// of environments that does not fit in memory, or arguments of each that it does not support.
-    pub fn native(spec: &VectorSpec, make: impl Fn(usize) -> Result<E>) -> Result<Self> {
+    pub fn native(
+        spec: &VectorSpec,
+        options: ResetOptions,
+        make: impl Fn(usize) -> Result<E>,
+    ) -> Result<Self> {
         let envs = make_envs(spec, 0, make)?;
         let spec = VectorSpec {
             vectorization_mode: VectorKind::Native,
             ..spec.clone()
         };
-        let vector = Self::new(envs)?.with_autoreset(spec.autoreset_mode);
-        Ok(vector.with_spec(spec))
+        let vector = Self {
+            reset_options: options,
+            ..Self::new(envs)?
+        };
+        Ok(vector.with_autoreset(spec.autoreset_mode).with_spec(spec))
     }
 
     pub(crate) fn with_spec(self, spec: VectorSpec) -> Self {
@@ -170,6 +182,9 @@ impl<E: Env> VectorEnv for SyncVectorEnv<E> {
 
     fn reset_into(&mut self, reset: &VectorReset, columns: &mut Columns) -> Result<()> {
         reset.check(self.slots.len())?;
+        if let Some(spec) = &self.spec {
+            self.reset_options.check(&spec.env.id, &reset.options)?;
+        }
         columns.prepare(&self.spaces.observation, self.slots.len())?;
         self.gather(columns, |index| {
             reset.of(index).map_or(Request::Nothing, Request::Reset)

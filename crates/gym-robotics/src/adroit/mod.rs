@@ -20,7 +20,7 @@ use gym_sim::numpy::norm_avx2;
 use gym_sim::view::CameraConfig;
 use gym_sim::{
     Common, Measured, Measures, Observation, Rng, Settings, SimEnv, SimTask, Simulation, Start,
-    Stepper,
+    Stepper, register,
 };
 use mujoco_engine::math::MAXVAL;
 use mujoco_engine::{CompiledModel, Data, Model};
@@ -301,7 +301,7 @@ const fn hand<S: Skill>(
     kwargs: &'static str,
     description: &'static str,
 ) -> Registration {
-    Registration::new::<Entry<S>>(id)
+    register::<Entry<S>>(id)
         .description(description)
         .kwargs(kwargs)
         .max_episode_steps(200)

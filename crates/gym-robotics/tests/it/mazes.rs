@@ -1,5 +1,6 @@
 //! Mazes: maps, reset options, goals, snapshots, vectors.
 
+use gym_core::vector::VectorKind;
 use gym_core::{BoxEnv, Env, EnvExt, Error, Reset, Value, VectorEnvExt, builder, make};
 use gym_robotics as _;
 use serde_json::{Value as Json, json};
@@ -212,7 +213,7 @@ fn a_vector_steps_as_its_environments() {
     let spec = |id: &str| builder(id).arg("reset_target", true);
     for id in ["PointMaze_OpenDense-v3", "AntMaze_Open_Diverse_GR-v5"] {
         let mut alone: Vec<BoxEnv> = (0..5).map(|_| spec(id).build().unwrap()).collect();
-        let mut vector = spec(id).vector(5).build().unwrap();
+        let mut vector = spec(id).vector(5).kind(VectorKind::Native).build().unwrap();
         vector.reset(7).unwrap();
         for (seed, env) in (7..).zip(&mut alone) {
             env.reset(seed).unwrap();

@@ -22,6 +22,9 @@ use crate::{Action, Cell, Color, Draft, Generated, Kind, Pos, World};
 /// The number of attempts to move an obstacle.
 const MAX_TRIES: u32 = 100;
 
+/// The number of actions: left, right, forward.
+const ACTION_COUNT: usize = 3;
+
 level! {
     /// Arguments.
     DynamicObstacles {
@@ -41,7 +44,7 @@ impl Level for DynamicObstacles {
         direction(self.agent_start_dir)?;
         let rules = Rules::square(self.size, 4, "get to the green goal square");
         Ok(Rules {
-            actions: 3,
+            actions: ACTION_COUNT as u32,
             ..rules.see_through()
         })
     }
@@ -110,7 +113,10 @@ const EXCEPTIONS: Exceptions = &[
 
 const BEYOND: &str = "an action beyond the space turns left, as in minigrid";
 
-ids! { DynamicObstacles, "Reach the goal without running into moving balls.", excused EXCEPTIONS:
+/// The names of the actions in the space.
+const ACTIONS: &[(&str, &str)] = Action::VARIANTS.split_at(ACTION_COUNT).0;
+
+ids! { DynamicObstacles, "Reach the goal without running into moving balls.", excused EXCEPTIONS, named ACTIONS:
     "MiniGrid-Dynamic-Obstacles-5x5-v0", r#"{"size": 5, "n_obstacles": 2}"#;
     "MiniGrid-Dynamic-Obstacles-Random-5x5-v0",
         r#"{"size": 5, "agent_start_pos": null, "n_obstacles": 2}"#;

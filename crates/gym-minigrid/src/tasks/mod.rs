@@ -53,7 +53,8 @@ pub(crate) const DIRECTION: Exceptions = &[
 ];
 
 /// Registers the ids of a level, each with its arguments. With `planned`, the planner is the good
-/// policy of the ids; `excused` lists their conformance exceptions.
+/// policy of the ids; `excused` lists their conformance exceptions, and `named` the actions of a
+/// level that does not have all seven.
 macro_rules! ids {
     ($level:ty, $sentence:literal: $($ids:tt)+) => {
         ids! { @($level, $sentence, None) [] $($ids)+ }
@@ -63,6 +64,9 @@ macro_rules! ids {
     };
     ($level:ty, $sentence:literal, excused $exceptions:ident: $($ids:tt)+) => {
         ids! { @($level, $sentence, None) [.exceptions($exceptions)] $($ids)+ }
+    };
+    ($level:ty, $sentence:literal, excused $exceptions:ident, named $actions:ident: $($ids:tt)+) => {
+        ids! { @($level, $sentence, None) [.exceptions($exceptions).actions($actions)] $($ids)+ }
     };
     ($level:ty, $sentence:literal, planned, excused $exceptions:ident: $($ids:tt)+) => {
         ids! { @($level, $sentence, Some($crate::planner::POLICY)) [.exceptions($exceptions)] $($ids)+ }

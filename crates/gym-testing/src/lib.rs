@@ -2,6 +2,8 @@
 
 mod count;
 mod digest;
+mod replay;
 
 pub use count::Count;
 pub use digest::{Digest, Sum};
+pub use replay::{lines, replay};

@@ -1,15 +1,8 @@
 //! Episodes of Gymnasium-Robotics, by checksum: `record.py` recorded them.
 
-use gym_core::{Env, EnvExt, Kwargs, RandomState, Reset, Space, Value, builder};
+use gym_core::{BoxEnv, Env, EnvExt, Kwargs, RandomState, Reset, Space, Value, builder};
 use gym_robotics as _;
-
-/// Adds the observation's arrays to `crc`, in the order of their keys.
-fn observe(crc: &mut crc32fast::Hasher, observation: &Value) {
-    match observation {
-        Value::Dict(entries) => entries.iter().for_each(|(_, part)| observe(crc, part)),
-        array => crc.update(&array.as_array().unwrap().to_bytes()),
-    }
-}
+use gym_testing::{lines, replay};
 
 /// The checksum of the rewards of eight goals near the desired one.
 fn rewards(env: &impl EnvExt, seed: u32, observation: &Value) -> u32 {
@@ -50,58 +43,29 @@ fn difference(line: &str) -> Option<String> {
         .zip(actions.high().iter_f64())
         .collect();
     let mut rng = RandomState::new(seed);
-    let mut crc = crc32fast::Hasher::new();
+    let action = || {
+        let drawn: Vec<f64> = bounds
+            .iter()
+            .map(|(low, high)| rng.uniform(*low, *high))
+            .collect();
+        match actions.low().as_slice::<f64>() {
+            Some(_) => Value::from(drawn),
+            None => drawn.iter().map(|x| *x as f32).collect::<Vec<f32>>().into(),
+        }
+    };
     let mut reset = Reset::seed(u64::from(seed));
     reset
         .options
         .extend(options.as_object().cloned().unwrap_or_default());
-    let mut observation = env.reset(reset).unwrap();
-    observe(&mut crc, &observation);
-    let mut step = 0;
-    for mark in words {
-        let (at, expected) = mark.split_once(':').unwrap();
-        let found = if at == "goals" {
-            rewards(&env, seed, &observation)
-        } else {
-            while step < at.parse().unwrap() {
-                step += 1;
-                let drawn: Vec<f64> = bounds
-                    .iter()
-                    .map(|(low, high)| rng.uniform(*low, *high))
-                    .collect();
-                let action = match actions.low().as_slice::<f64>() {
-                    Some(_) => Value::from(drawn),
-                    None => drawn.iter().map(|x| *x as f32).collect::<Vec<f32>>().into(),
-                };
-                let outcome = env.step_into(&action, &mut observation).unwrap();
-                observe(&mut crc, &observation);
-                crc.update(&outcome.reward.to_le_bytes());
-                crc.update(&[outcome.terminated.into(), outcome.truncated.into()]);
-                if outcome.done() {
-                    env.reset_into(&().into(), &mut observation).unwrap();
-                    observe(&mut crc, &observation);
-                }
-            }
-            crc.clone().finalize()
-        };
-        if format!("{found:08x}") != expected {
-            return Some(format!(
-                "{id}, MuJoCo {mujoco}, seed {seed}, {at}: {observation}"
-            ));
-        }
-    }
-    None
+    let goals = |_: &str, env: &BoxEnv, observation: &Value| rewards(env, seed, observation);
+    let differs = replay(&mut env, reset, words, action, goals);
+    differs.map(|place| format!("{id}, MuJoCo {mujoco}, seed {seed}, {place}"))
 }
 
 #[test]
 fn episodes_are_the_packages() {
-    let more = std::env::var_os("GYM_ROBOTICS_EPISODES");
-    let more = more.map(|path| std::fs::read_to_string(path).unwrap());
-    let text = include_str!("../episodes.txt");
-    let lines = text
-        .lines()
-        .chain(more.as_deref().unwrap_or_default().lines());
-    unlike(lines);
+    let lines = lines(include_str!("../episodes.txt"), "GYM_ROBOTICS_EPISODES");
+    unlike(lines.iter().map(String::as_str));
 }
 
 /// Fails if an episode differs.

@@ -11,6 +11,9 @@ use crate::mjcf::orientation::{IDENTITY, within};
 use crate::mjcf::spec::{Body, Frame, Inertial, Moments, Spec};
 use crate::model::{CompiledModel, JointType};
 
+const TOO_HEAVY: &str = "its mass, or its moments of inertia, are larger than the largest number: give it a smaller size, \
+                         density or mass";
+
 /// Adds a body and its parts; `meshes` are those of the model. Returns the text's frame of the body in
 /// the compiled one, if `align` moved it.
 pub(super) fn add_body(
@@ -131,6 +134,9 @@ fn add_geoms(
     for geom in &body.geoms {
         let part = geom::add_geom(m, spec, meshes, id, geom)?;
         if weighs && (first..=last).contains(&geom.group) {
+            if !part.is_finite() {
+                return Err(geom.place.error(TOO_HEAVY));
+            }
             parts.push(part);
         }
     }
@@ -211,6 +217,9 @@ fn inertia_of(body: &Body, world: bool, spec: &Spec, parts: &[Inertia]) -> Resul
     if !world {
         inertia.mass = inertia.mass.max(compiler.bound_mass);
         inertia.moments = inertia.moments.map(|x| x.max(compiler.bound_inertia));
+    }
+    if !inertia.is_finite() {
+        return Err(place.error(TOO_HEAVY));
     }
     let [a, b, c] = inertia.moments;
     if inertia.moments.iter().any(|x| *x < 0.0) {

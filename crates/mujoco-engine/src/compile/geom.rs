@@ -101,6 +101,17 @@ pub(super) fn add_geom(
     if discards && is_visual(geom, spec) {
         return Ok(inertia);
     }
+    let radius = match field {
+        Some(id) => hfield_radius(spec.hfields[id].size),
+        None => bounding_radius(*shape, size),
+    };
+    if ![pos[0], pos[1], pos[2], radius]
+        .iter()
+        .all(|x| x.is_finite())
+    {
+        let reason = "its place in its frames, or the radius of the sphere around it, is larger than the largest number";
+        return Err(place.error(reason));
+    }
     m.names.geom.push(geom.name.clone());
     m.geom_type.push(*shape);
     m.geom_bodyid.push(body);
@@ -109,10 +120,7 @@ pub(super) fn add_geom(
     m.geom_condim.push(geom.condim);
     m.geom_priority.push(geom.priority);
     m.geom_size.push(size);
-    m.geom_rbound.push(match field {
-        Some(id) => hfield_radius(spec.hfields[id].size),
-        None => bounding_radius(*shape, size),
-    });
+    m.geom_rbound.push(radius);
     m.geom_aabb.push(match surface {
         Some(Mesh { lower, upper, .. }) => {
             let half = |sign: f64| [0, 1, 2].map(|k| (upper[k] + sign * lower[k]) / 2.0);

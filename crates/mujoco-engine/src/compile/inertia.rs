@@ -20,6 +20,20 @@ pub(super) struct Inertia {
     pub(super) moments: [f64; 3],
 }
 
+impl Inertia {
+    /// Whether all numbers are finite.
+    pub(super) fn is_finite(&self) -> bool {
+        let Self {
+            mass,
+            pos,
+            quat,
+            moments,
+        } = self;
+        let numbers = pos.iter().chain(quat).chain(moments);
+        mass.is_finite() && numbers.copied().all(f64::is_finite)
+    }
+}
+
 /// The volume of a shape; of a `shell`, its surface area.
 pub(super) fn volume(shape: GeomType, [r, half, z]: [f64; 3], shell: bool) -> f64 {
     let height = 2.0 * half;

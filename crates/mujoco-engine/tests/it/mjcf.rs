@@ -115,12 +115,31 @@ fn refused() -> Vec<Refused> {
             "geom",
             Some("name"),
         ),
-        (
-            in_the_world(
-                "<geom size=\"1\" density=\"1e308\"/><body><joint/><geom size=\"1e150\"/></body>",
-            ),
-            1,
-            "mujoco",
+        // numbers that follow from others and are infinite
+        world("<body><geom size=\"1e150\"/></body>", "geom", None),
+        body(
+            "<joint/><geom size=\"1e3\" density=\"1e300\"/>",
+            "geom",
+            None,
+        ),
+        body(
+            "<joint/><geom size=\"1\" mass=\"8e307\"/><geom size=\"1\" mass=\"8e307\"/><geom size=\"1\" mass=\"8e307\"/>",
+            "body",
+            None,
+        ),
+        body(
+            "<inertial pos=\"0 0 0\" mass=\"1\" fullinertia=\"1e308 1e308 1e308 1e308 1e308 1e308\"/>",
+            "inertial",
+            None,
+        ),
+        world(
+            "<geom type=\"box\" size=\"1e200 1e200 1e200\"/>",
+            "geom",
+            None,
+        ),
+        world(
+            "<frame pos=\"1e308 0 0\"><geom size=\"1\" pos=\"1e308 0 0\"/></frame>",
+            "geom",
             None,
         ),
         world("<body><joint/></body>", "body", None),

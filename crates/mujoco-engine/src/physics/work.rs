@@ -163,7 +163,7 @@ mod tests {
 
     impl Work {
         /// Fills every buffer of numbers with NaN.
-        fn poison(&mut self) {
+        pub(crate) fn poison(&mut self) {
             self.crb.poison();
             self.axes.poison();
             self.dofs.poison();

@@ -18,6 +18,19 @@ macro_rules! arrays {
                 $(let $name: fn(&Model) -> usize = $length;)+
                 Self { $($name: vec![$zero; $name(m)],)+ }
             }
+
+            /// Fills with NaN what a step has written. (A few elements are the same in every state,
+            /// and never written.)
+            #[cfg(test)]
+            pub(super) fn poison(&mut self, m: &Model) {
+                use crate::physics::work::Poison;
+                let fresh = Self::new(m);
+                $(for (now, unwritten) in self.$name.iter_mut().zip(&fresh.$name) {
+                    if format!("{now:?}") != format!("{unwritten:?}") {
+                        now.poison();
+                    }
+                })+
+            }
         }
     };
 }

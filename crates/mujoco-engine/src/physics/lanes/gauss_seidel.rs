@@ -25,6 +25,13 @@ impl GaussSeidel {
         }
     }
 
+    #[cfg(test)]
+    pub(super) fn poison(&mut self) {
+        use crate::physics::work::Poison;
+        self.force.poison();
+        self.data.work.poison();
+    }
+
     /// Computes `qacc` and `qfrc_constraint` of the worlds in the register `at`.
     pub(super) fn solve<S: Simd>(&mut self, m: &Model, at: At<S>, a: &mut Arrays, rows: &Rows) {
         let (simd, first) = at;

@@ -51,6 +51,33 @@ pub(super) struct Newton {
     line: Vec<line_search::Row>,
 }
 
+#[cfg(test)]
+impl Newton {
+    pub(super) fn poison(&mut self) {
+        use crate::physics::work::Poison;
+        for vector in [
+            &mut self.acc,
+            &mut self.ma,
+            &mut self.grad,
+            &mut self.mgrad,
+            &mut self.search,
+            &mut self.mv,
+            &mut self.constraint,
+            &mut self.row_update,
+            &mut self.jar,
+            &mut self.jv,
+            &mut self.force,
+            &mut self.pushes,
+            &mut self.hessian,
+            &mut self.again,
+            &mut self.pushed,
+        ] {
+            vector.poison();
+        }
+        self.costs.poison();
+    }
+}
+
 /// Runs `$block` for the elements from `$first` to `$n` in groups of four; the last group may be
 /// smaller. `$K` is the size of the group.
 macro_rules! by_four {

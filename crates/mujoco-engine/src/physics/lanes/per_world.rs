@@ -23,6 +23,13 @@ impl Default for PerWorld {
     }
 }
 
+#[cfg(test)]
+impl crate::physics::work::Poison for PerWorld {
+    fn poison(&mut self) {
+        self.0.poison();
+    }
+}
+
 /// A register: the SIMD token, and the index of the world in the register's first lane.
 pub(super) type At<S> = (S, usize);
 

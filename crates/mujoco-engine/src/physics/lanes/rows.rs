@@ -82,6 +82,16 @@ impl Rows {
         }
     }
 
+    #[cfg(test)]
+    pub(super) fn poison(&mut self) {
+        use crate::physics::work::Poison;
+        self.jac.poison();
+        for column in self.columns() {
+            column.poison();
+        }
+        self.polytope.poison();
+    }
+
     fn columns(&mut self) -> [&mut Vec<PerWorld>; 5] {
         [
             &mut self.d,

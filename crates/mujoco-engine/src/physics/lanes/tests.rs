@@ -30,6 +30,19 @@ fn random(seed: u64) -> impl FnMut() -> f64 {
     }
 }
 
+impl Batch {
+    /// Fills every buffer with NaN.
+    fn poison(&mut self, m: &Model) {
+        self.arrays.poison(m);
+        self.rows.poison();
+        self.newton.poison();
+        if let Some(gauss_seidel) = &mut self.gauss_seidel {
+            gauss_seidel.poison();
+        }
+        crate::physics::work::Poison::poison(&mut self.cfrc_ext);
+    }
+}
+
 fn act(d: &mut Data, random: &mut impl FnMut() -> f64) {
     d.ctrl.iter_mut().for_each(|ctrl| *ctrl = random());
 }
@@ -153,6 +166,9 @@ fn steps_have_the_bits_of_one_world() {
                 }
                 let mut record = vec![0.0; record_len(&m, &Derived::ALL)];
                 for round in 0..60 {
+                    if round % 3 == 2 {
+                        worlds.poison(&m);
+                    }
                     for (world, d) in alone.iter_mut().enumerate() {
                         act(d, &mut random);
                         if round == 40 && world == 1 {
@@ -259,6 +275,9 @@ fn settled_steps_have_the_bits_of_one_world() {
             let mut alone: Vec<Data> = (0..WORLDS).map(|_| Data::new(&m)).collect();
             let mut record = vec![0.0; record_len(&m, &stride.reads)];
             for round in 0..80 {
+                if round % 3 == 2 {
+                    worlds.poison(&m);
+                }
                 for (world, d) in alone.iter_mut().enumerate() {
                     d.mocap_pos[0] = [random(), random(), random()];
                     act(d, &mut random);

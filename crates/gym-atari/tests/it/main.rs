@@ -1,5 +1,6 @@
 //! The crate's public interface, tested in one program that is linked once.
 
+mod before;
 mod cartridges;
 mod chips;
 mod details;

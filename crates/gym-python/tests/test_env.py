@@ -443,3 +443,16 @@ def test_exceptions_are_those_that_gymnasium_raises() -> None:
                 env.step(action)
     with pytest.raises(AssertionError, match="call `reset"):
         rustgym.Env("CartPole-v1").step(0)
+
+
+def test_a_state_that_is_not_finite_is_refused_by_its_name() -> None:
+    for env_id, state in (("CartPole-v1", [0.0, float("nan"), 0.0, 0.0]), ("Pendulum-v1", [0.0, float("inf")])):
+        env = rustgym.make(env_id)
+        env.reset(seed=1)
+        before = env.unwrapped.state
+        with pytest.raises(ValueError, match=r"^\w+_dot is (nan|inf): every number must be finite$"):
+            env.unwrapped.state = np.array(state)
+            env.step(env.action_space.sample())
+        env.unwrapped.state = before
+        env.step(env.action_space.sample())
+        env.close()

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import reprlib
 from collections.abc import Mapping
 from typing import Any
 
@@ -52,5 +53,5 @@ def to_json(values: Mapping[str, Any]) -> str:
         except ValueError as error:
             is_endless = str(error).startswith("Circular")
             wrong = "it must not contain itself" if is_endless else "every number must be finite"
-            raise ValueError(f"{name} is {value!r}: {wrong}") from None
+            raise ValueError(f"{name} is {reprlib.repr(value)}: {wrong}") from None
     return f"{{{', '.join(entries)}}}"

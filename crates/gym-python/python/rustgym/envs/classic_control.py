@@ -81,7 +81,7 @@ class ClassicControlEnv(TunableEnv):
         state = self._native.state()
         if state is None:
             raise AttributeError(f"{self.env_id} has no state before the first reset")
-        self._native.set_state(json.dumps({**json.loads(state), **fields}))
+        self._native.set_state(to_json({**json.loads(state), **fields}))
 
     state = Live(_read_state, _write_state)
 

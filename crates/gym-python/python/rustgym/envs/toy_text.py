@@ -80,7 +80,7 @@ class ToyTextEnv(ClassEnv):
         """Sets these fields of the state; before the first reset, it resets first."""
         if self._native.state() is None:
             self._native.reset(str(entropy()), None)
-        self._native.set_state(json.dumps({**self._state(), **fields}))
+        self._native.set_state(to_json({**self._state(), **fields}))
 
 
 def _draw(probabilities: Any, rng: np.random.Generator) -> int:

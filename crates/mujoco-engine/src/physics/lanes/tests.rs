@@ -166,9 +166,6 @@ fn steps_have_the_bits_of_one_world() {
                 }
                 let mut record = vec![0.0; record_len(&m, &Derived::ALL)];
                 for round in 0..60 {
-                    if round % 3 == 2 {
-                        worlds.poison(&m);
-                    }
                     for (world, d) in alone.iter_mut().enumerate() {
                         act(d, &mut random);
                         if round == 40 && world == 1 {

@@ -6,17 +6,17 @@ use super::body::address;
 use super::geom::is_visual;
 use super::mesh::{Builtin, Format, Mesh, Source};
 use crate::Result;
-use crate::mjcf::files::{self, MAX_ASSETS};
+use crate::mjcf::files;
 use crate::mjcf::spec::{self, Spec};
 use crate::model::{CompiledModel, GeomType, Meshes};
 
 /// How many bytes of files a vertex of a shape without a file counts as.
 const BYTES: u64 = 32;
 
-/// Reads and compiles the meshes.
-pub(super) fn compile_meshes(spec: &Spec) -> Result<Vec<Mesh>> {
+/// Reads and compiles the meshes. `left`, how many bytes of files may follow, becomes smaller.
+pub(super) fn compile_meshes(spec: &Spec, left: &mut u64) -> Result<Vec<Mesh>> {
     let colliding = colliding(spec);
-    let (mut left, mut names) = (MAX_ASSETS, HashSet::new());
+    let mut names = HashSet::new();
     let mut meshes = Vec::with_capacity(spec.meshes.len());
     for mesh in &spec.meshes {
         let (place, name) = (&mesh.place, &*mesh.name);
@@ -28,7 +28,7 @@ pub(super) fn compile_meshes(spec: &Spec) -> Result<Vec<Mesh>> {
             Some(path) => place.attribute("file", format!("{}: {reason}", path.display())),
             None => place.error(reason),
         };
-        let source = source(mesh, spec, &mut left).map_err(&fault)?;
+        let source = source(mesh, spec, left).map_err(&fault)?;
         let mut options = mesh.options;
         options.collides = colliding.contains(name);
         let compiled = Mesh::compile(source, &options, spec.revision);

@@ -11,7 +11,7 @@ use super::values::finite;
 use crate::Result;
 use crate::error::ensure;
 use crate::math::spatial::EPS;
-use crate::mjcf::files::{self, MAX_ASSETS};
+use crate::mjcf::files;
 use crate::mjcf::spec::{Hfield, Spec};
 use crate::model::{CompiledModel, GeomType, Hfields};
 
@@ -21,9 +21,9 @@ const MOST_PIXELS: usize = 256 << 20;
 /// Rows, columns and elevations, row by row from the least y.
 type Grid = (usize, usize, Vec<f32>);
 
-/// Adds the height fields.
-pub(super) fn add_hfields(m: &mut CompiledModel, spec: &Spec) -> Result<()> {
-    let (mut left, mut names) = (MAX_ASSETS, HashSet::new());
+/// Adds the height fields. `left`, how many bytes of files may follow, becomes smaller.
+pub(super) fn add_hfields(m: &mut CompiledModel, spec: &Spec, left: &mut u64) -> Result<()> {
+    let mut names = HashSet::new();
     let all = &mut *m.hfields;
     for field in &spec.hfields {
         let (place, name) = (&field.place, &*field.name);
@@ -34,7 +34,7 @@ pub(super) fn add_hfields(m: &mut CompiledModel, spec: &Spec) -> Result<()> {
         let (rows, columns, mut elevations) = match &field.path {
             None => (field.rows, field.columns, field.elevations.clone()),
             Some(path) => {
-                let bytes = files::bytes(path, &mut left);
+                let bytes = files::bytes(path, left);
                 let grid = bytes.and_then(|bytes| read(field, &bytes));
                 grid.map_err(|reason| {
                     place.attribute("file", format!("{}: {reason}", path.display()))

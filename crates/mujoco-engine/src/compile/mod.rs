@@ -47,6 +47,7 @@ use self::constants::{mark_simple, with_constants};
 use self::fuse::Kept;
 use self::inertia::MINVAL;
 use crate::math::libm;
+use crate::mjcf::files::MAX_ASSETS;
 use crate::mjcf::orientation::{IDENTITY, turned, within};
 use crate::mjcf::spec::{Body, Compiler, Frame, Spec, Statistic};
 use crate::mjcf::xml::Place;
@@ -61,8 +62,9 @@ pub(super) fn compile(spec: &Spec) -> Result<Box<CompiledModel>> {
         opt: spec.option.clone(),
         ..CompiledModel::default()
     });
-    let meshes = assets::compile_meshes(spec)?;
-    hfields::add_hfields(&mut m, spec)?;
+    let mut left = MAX_ASSETS;
+    let meshes = assets::compile_meshes(spec, &mut left)?;
+    hfields::add_hfields(&mut m, spec, &mut left)?;
     let kept = fuse::kept(spec);
     let mut looks = Vec::new();
     for (id, kept) in kept.iter().enumerate() {
@@ -75,7 +77,8 @@ pub(super) fn compile(spec: &Spec) -> Result<Box<CompiledModel>> {
     assets::add_meshes(&mut m, spec, meshes);
     scale_mass(&mut m, spec.compiler.total_mass);
     check_mass(&m, &kept)?;
-    add_looks(&mut m, spec, &looks)?;
+    add_looks(&mut m, &looks)?;
+    add_materials(&mut m, spec, &mut left)?;
     contact::add_excludes(&mut m, spec)?;
     contact::add_pairs(&mut m, spec)?;
     tendon::add_tendons(&mut m, spec)?;
@@ -148,13 +151,9 @@ fn check_mass(m: &CompiledModel, bodies: &[Kept<'_>]) -> Result<()> {
     }
 }
 
-/// Adds cameras, lights and materials. `bodies` are the compiled id of each body, the body, and its
+/// Adds cameras and lights. `bodies` are the compiled id of each body, the body, and its
 /// frame in the compiled one.
-fn add_looks(
-    m: &mut CompiledModel,
-    spec: &Spec,
-    bodies: &[(usize, &Body, Option<Frame>)],
-) -> Result<()> {
+fn add_looks(m: &mut CompiledModel, bodies: &[(usize, &Body, Option<Frame>)]) -> Result<()> {
     for &(id, body, outer) in bodies {
         for camera in &body.cameras {
             let target = match &camera.target {
@@ -204,12 +203,16 @@ fn add_looks(
         m.light_dir
             .push(turned(outer, turned(light.frame, light.dir)));
     }
+    Ok(())
+}
+
+fn add_materials(m: &mut CompiledModel, spec: &Spec, left: &mut u64) -> Result<()> {
     let colors = spec.materials.iter().map(|material| material.rgba);
     if spec.compiler.discard_visual {
         return Ok(());
     }
     m.mat_rgba = colors.map(geom::single).collect();
-    textures::add_textures(m, spec)
+    textures::add_textures(m, spec, left)
 }
 
 /// Refuses two objects of a kind under one name.

@@ -88,6 +88,39 @@ fn textured(texture: &str) -> String {
     )
 }
 
+/// The files of a height field and of a texture count together: either alone is small enough.
+#[test]
+fn files_of_all_kinds_have_one_limit() {
+    let folder = Folder::new("together", &[("none.txt", "")]);
+    let grey = png(png::ColorType::Grayscale, 2, &[10, 20, 30, 40]);
+    for name in ["t.png", "h.png"] {
+        // readers of PNG ignore what follows a picture
+        let path = folder.path().join(name);
+        fs::write(&path, &grey).unwrap();
+        let file = fs::File::options().write(true).open(path).unwrap();
+        file.set_len(150 << 20).unwrap();
+    }
+    let field = r#"<hfield name="h" file="h.png" size="1 1 1 1"/>"#;
+    let texture = r#"<texture type="2d" file="t.png"/><material name="m" texture="t"/>"#;
+    let load = |assets: &str, geom: &str| {
+        let text = format!(
+            "<mujoco><asset>{assets}</asset><worldbody><geom {geom}/></worldbody></mujoco>"
+        );
+        fs::write(folder.path().join("m.xml"), text).unwrap();
+        folder.model("m.xml").map_err(|error| error.to_string())
+    };
+    load(field, r#"type="hfield" hfield="h""#).unwrap();
+    load(texture, r#"size="1" material="m""#).unwrap();
+    let both = load(
+        &format!("{field}{texture}"),
+        r#"type="hfield" hfield="h" material="m""#,
+    );
+    let error = both.unwrap_err();
+    for part in ["t.png", "all assets together", "268435456 bytes"] {
+        assert!(error.contains(part), "{error}");
+    }
+}
+
 #[test]
 fn files_give_their_pixels() {
     let folder = Folder::new("textures", &[("images/none.txt", "")]);

@@ -11,6 +11,7 @@ mod constraints;
 mod frames;
 mod hfields;
 mod kinds;
+mod layout;
 mod lookup;
 mod meshes;
 mod mix;
@@ -22,6 +23,7 @@ mod sensors;
 mod shared;
 mod softness;
 mod textures;
+mod triangles;
 mod types;
 
 use serde::{Deserialize, Serialize};
@@ -34,6 +36,7 @@ pub use kinds::{
     BiasType, Cone, DynamicsType, EqualityType, GainType, GeomType, Integrator, JointType,
     ObjectType, Solver, TransmissionType, WrapType,
 };
+pub(crate) use layout::Hull;
 pub use meshes::Meshes;
 pub(crate) use pairs::{Pair, Polygons, Reach, signature};
 pub(crate) use plan::{Bounds, Limit, Plan};

@@ -10,8 +10,8 @@ use super::frames::{self, Body, Joint, Mount};
 use super::pairs::{Pair, Polygons, Reach, most_contacts};
 use super::paths::Paths;
 use super::{
-    About, CompiledModel, Cone, Disable, Integrator, JointType, SensorType, Softness, Stage,
-    TransmissionType, actuators,
+    About, CompiledModel, Cone, Disable, GeomType, Integrator, JointType, SensorType, Softness,
+    Stage, TransmissionType, actuators,
 };
 use crate::Result;
 use crate::error::ensure;
@@ -107,13 +107,15 @@ pub(crate) struct Plan {
     pub(crate) sites_read: bool,
 }
 
-/// The largest number of constraints in any state, for buffers that never grow.
+/// The largest number of constraints, for buffers that never grow.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Bounds {
     pub(crate) contacts: usize,
     /// Limits and contacts.
     pub(crate) blocks: usize,
     pub(crate) rows: usize,
+    /// Whether some states may have more. Few do, and buffers then grow.
+    pub(crate) exceeded: bool,
 }
 
 /// The limit of a joint.
@@ -247,6 +249,14 @@ impl Plan {
             "the flag nativeccd is disabled, and contacts by libccd, of ellipsoids, cylinders or meshes \
              with other shapes, are not supported: enable it"
         );
+        // before the first step, not in it
+        m.meshes.layouts();
+        if m.sensor_type.contains(&SensorType::Rangefinder) {
+            let meshes = (0..m.ngeom()).filter(|g| m.geom_type[*g] == GeomType::Mesh);
+            for mesh in meshes.filter_map(|g| usize::try_from(m.geom_dataid[g]).ok()) {
+                m.meshes.triangles(mesh);
+            }
+        }
         plan.deep = {
             let measured = |kind: &SensorType| kind.about() == About::Pair;
             let deep = plan.pairs.iter().any(Pair::is_convex) || m.sensor_type.iter().any(measured);
@@ -292,7 +302,7 @@ impl Plan {
         Ok(plan)
     }
 
-    /// The largest number of constraints in any state.
+    /// The largest number of constraints in any state, or a limit that few states reach.
     pub(crate) fn bounds(&self) -> Bounds {
         // both sides of each limit
         let limits = 2 * self.limits.len();
@@ -301,6 +311,7 @@ impl Plan {
             contacts: 0,
             blocks: limits + blocks,
             rows: limits + rows,
+            exceeded: false,
         };
         for pair in &self.pairs {
             let contacts = most_contacts(pair.kind);
@@ -308,12 +319,12 @@ impl Plan {
             bounds.blocks += contacts;
             bounds.rows += contacts * pair.rows;
         }
-        // few states reach this number of rows; for more rows, buffers grow on demand
         const MOST_ROWS: usize = 4000;
-        if bounds.rows > MOST_ROWS {
-            Bounds::default()
-        } else {
-            bounds
+        Bounds {
+            contacts: bounds.contacts.min(MOST_ROWS),
+            blocks: bounds.blocks.min(MOST_ROWS),
+            rows: bounds.rows.min(MOST_ROWS),
+            exceeded: bounds.rows > MOST_ROWS,
         }
     }
 

@@ -8,9 +8,9 @@
 use super::Shape;
 use crate::Model;
 use crate::math::MAXVAL;
-use crate::math::spatial::{Mat3, Vec3, add, column, dot, rotate};
-use crate::model::Pair;
+use crate::math::spatial::{Mat3, Vec3, add, column, dot, norm, rotate, rotate_back, sub};
 use crate::model::bounds::{Bounds, bounding_box, meetings};
+use crate::model::{GeomType, Pair};
 
 /// If a contact is deeper below the margin than this, rounding cannot drop the contact, although a
 /// plane's box has sides of 1e10.
@@ -18,6 +18,51 @@ pub(in crate::physics) const ROUNDING: f64 = 1e-5;
 
 /// A frame: its origin and axes.
 pub(in crate::physics) type Frame = (Vec3, Mat3);
+
+/// Whether the boxes around two geoms are further apart than the margin, by more than rounding. The
+/// geoms then have no contact, and the search for one would take much longer.
+pub(super) fn far_apart(m: &Model, pair: &Pair, shapes: [Shape<'_>; 2]) -> bool {
+    // what is below the tolerance of the search for the nearest points, and rounding far from the
+    // origin, may make a contact
+    const RELATIVE: f64 = 1e-9;
+    let around = pair.geom.map(
+        |g| match (m.geom_type[g], usize::try_from(m.geom_dataid[g])) {
+            (GeomType::Mesh, Ok(mesh)) => m.meshes.layouts()[mesh].bounds,
+            _ => bounding_box(m, g),
+        },
+    );
+    let centre = |k: usize| add(rotate(shapes[k].mat, around[k][0]), shapes[k].pos);
+    let ([_, a], [_, b]) = (around[0], around[1]);
+    if pair.kind.0 == GeomType::Plane {
+        let normal = shapes[0].axis();
+        let along = rotate_back(shapes[1].mat, normal);
+        let height = dot(normal, sub(centre(1), shapes[0].pos));
+        let reach: f64 = (0..3).map(|k| (b[k] * along[k]).abs()).sum();
+        return height - reach > pair.margin + ROUNDING + RELATIVE * height.abs();
+    }
+    // in the frame of the first geom
+    let between = sub(centre(1), centre(0));
+    let margin = pair.margin + ROUNDING + RELATIVE * norm(between);
+    let place = rotate_back(shapes[0].mat, between);
+    let columns = [0, 1, 2].map(|k| rotate_back(shapes[0].mat, column(shapes[1].mat, k)));
+    let sizes = columns.map(|column| column.map(f64::abs));
+    let on_first = |i: usize| {
+        let reach = a[i] + b[0] * sizes[0][i] + b[1] * sizes[1][i] + b[2] * sizes[2][i];
+        place[i].abs() > reach + margin
+    };
+    let on_second = |j: usize| {
+        let reach = b[j] + dot(a, sizes[j]);
+        dot(place, columns[j]).abs() > reach + margin
+    };
+    // along a direction that is orthogonal to an edge of each
+    let across = |i: usize, j: usize| {
+        let [i1, i2, j1, j2] = [(i + 1) % 3, (i + 2) % 3, (j + 1) % 3, (j + 2) % 3];
+        let reach = a[i1] * sizes[j][i2] + a[i2] * sizes[j][i1];
+        let reach = reach + b[j1] * sizes[j2][i] + b[j2] * sizes[j1][i];
+        (place[i2] * columns[j][i1] - place[i1] * columns[j][i2]).abs() > reach + margin
+    };
+    (0..3).any(|k| on_first(k) || on_second(k)) || (0..3).any(|i| (0..3).any(|j| across(i, j)))
+}
 
 /// Whether boxes separate two geoms; `inertial` returns the inertial frame of a body.
 pub(super) fn apart(

@@ -7,7 +7,7 @@ use super::features::Features;
 use super::manifold::{area, keep, largest};
 use super::{Hit, Push, Shape};
 use crate::math::spatial::{Vec3, add, add_scaled, dot, norm, rotate, rotate_back, scale, sub};
-use crate::model::{CompiledModel, GeomType};
+use crate::model::{CompiledModel, GeomType, Hull, Meshes};
 
 /// Meshes with fewer vertices are searched exhaustively: MuJoCo's `mjMESH_HILLCLIMB_MIN`.
 const FEW: usize = 10;
@@ -24,44 +24,13 @@ const PLANE_APART: f64 = 0.3;
 /// The arrays of a mesh, and the vertex at which the next search begins.
 #[derive(Debug)]
 pub(super) struct Mesh<'a> {
+    all: &'a Meshes,
+    mesh: usize,
     vertices: &'a [[f32; 3]],
-    hull: Option<Hull<'a>>,
-    normals: &'a [Vec3],
-    /// Where the corners of each polygon begin in `corners`, and their number.
-    starts: &'a [usize],
-    counts: &'a [usize],
-    corners: &'a [u32],
-    /// Where the polygons of each vertex begin in `polygons`, and their number.
-    map_starts: &'a [usize],
-    map_counts: &'a [usize],
-    polygons: &'a [u32],
+    hull: Option<&'a Hull>,
     /// The last vertex found for this pair of geoms, by its number in the search: in the hull if
     /// `climbs`, else in the mesh. Where several vertices are equally far, the result depends on it.
     last: Cell<Option<usize>>,
-}
-
-/// The vertices of a hull and their neighbours: MuJoCo's `mesh_graph`.
-#[derive(Clone, Copy, Debug)]
-struct Hull<'a> {
-    /// Where the neighbours of each vertex begin; the rest of the graph follows.
-    starts: &'a [i32],
-    /// The number of each vertex in the mesh.
-    ids: &'a [i32],
-    /// The lists of neighbours, by their numbers in the hull; each ends with -1.
-    neighbours: &'a [i32],
-    /// Where searches begin, by direction.
-    seeds: &'a [u32; 27],
-}
-
-impl<'a> Hull<'a> {
-    fn neighbours(&self, start: usize) -> impl Iterator<Item = usize> + use<'a> {
-        let list = self.neighbours.get(start..).unwrap_or_default().iter();
-        list.map_while(|other| usize::try_from(*other).ok())
-    }
-
-    fn id(&self, vertex: usize) -> usize {
-        self.ids[vertex] as usize
-    }
 }
 
 impl<'a> Mesh<'a> {
@@ -71,29 +40,13 @@ impl<'a> Mesh<'a> {
             return None;
         }
         let mesh = usize::try_from(m.geom_dataid[geom]).ok()?;
-        let m = &*m.meshes;
-        let (first, count) = (m.mesh_vertadr[mesh], m.mesh_vertnum[mesh]);
-        let vertices = first..first + count;
-        let polygons = m.mesh_polyadr[mesh]..m.mesh_polyadr[mesh] + m.mesh_polynum[mesh];
-        let hull = usize::try_from(m.mesh_graphadr[mesh]).ok().map(|start| {
-            let (count, starts) = (m.mesh_graph[start] as usize, &m.mesh_graph[start + 2..]);
-            Hull {
-                starts,
-                ids: &starts[count..2 * count],
-                neighbours: &starts[2 * count..],
-                seeds: &m.mesh_extrema[mesh],
-            }
-        });
+        let all = &*m.meshes;
+        let (first, count) = (all.mesh_vertadr[mesh], all.mesh_vertnum[mesh]);
         Some(Self {
-            vertices: &m.mesh_vert[vertices.clone()],
-            hull,
-            normals: &m.mesh_polynormal[polygons.clone()],
-            starts: &m.mesh_polyvertadr[polygons.clone()],
-            counts: &m.mesh_polyvertnum[polygons],
-            corners: &m.mesh_polyvert,
-            map_starts: &m.mesh_polymapadr[vertices.clone()],
-            map_counts: &m.mesh_polymapnum[vertices],
-            polygons: &m.mesh_polymap,
+            all,
+            mesh,
+            vertices: &all.mesh_vert[first..first + count],
+            hull: m.meshes.layouts()[mesh].hull.as_ref(),
             last: Cell::new(None),
         })
     }
@@ -103,24 +56,34 @@ impl<'a> Mesh<'a> {
     }
 
     pub(super) fn has_polygons(&self) -> bool {
-        !self.normals.is_empty()
+        self.all.mesh_polynum[self.mesh] > 0
+    }
+
+    fn polygon(&self, number: u32) -> usize {
+        self.all.mesh_polyadr[self.mesh] + number as usize
     }
 
     pub(super) fn normal(&self, polygon: u32) -> Vec3 {
-        self.normals[polygon as usize]
+        self.all.mesh_polynormal[self.polygon(polygon)]
     }
 
     /// The vertices of a polygon.
     pub(super) fn outline(&self, polygon: u32) -> &'a [u32] {
-        let (start, count) = (self.starts[polygon as usize], self.counts[polygon as usize]);
-        &self.corners[start..start + count]
+        let polygon = self.polygon(polygon);
+        let start = self.all.mesh_polyvertadr[polygon];
+        &self.all.mesh_polyvert[start..start + self.all.mesh_polyvertnum[polygon]]
     }
 
     /// The polygons at a vertex.
     pub(super) fn polygons_at(&self, vertex: u32) -> &'a [u32] {
-        let vertex = vertex as usize;
-        let (start, count) = (self.map_starts[vertex], self.map_counts[vertex]);
-        &self.polygons[start..start + count]
+        let vertex = self.all.mesh_vertadr[self.mesh] + vertex as usize;
+        let start = self.all.mesh_polymapadr[vertex];
+        &self.all.mesh_polymap[start..start + self.all.mesh_polymapnum[vertex]]
+    }
+
+    /// The hull that searches climb: not that of a mesh with few vertices.
+    fn climbs(&self) -> Option<&'a Hull> {
+        self.hull.filter(|_| self.vertices.len() >= FEW)
     }
 
     fn along(&self, local: Vec3, vertex: usize) -> f64 {
@@ -130,9 +93,9 @@ impl<'a> Mesh<'a> {
     /// The number of the vertex that is furthest in a direction of the geom's frame: MuJoCo's
     /// `mjc_meshSupport` and `mjc_hillclimbSupport`.
     pub(super) fn support(&self, local: Vec3) -> usize {
-        match self.hull {
-            Some(hull) if self.vertices.len() >= FEW => self.climb(&hull, local),
-            _ => self.search(local),
+        match self.climbs() {
+            Some(hull) => self.climb(hull, local),
+            None => self.search(local),
         }
     }
 
@@ -152,37 +115,25 @@ impl<'a> Mesh<'a> {
         best
     }
 
-    fn climb(&self, hull: &Hull<'_>, local: Vec3) -> usize {
+    fn climb(&self, hull: &Hull, local: Vec3) -> usize {
         let cell = local.map(|x| 1 + usize::from(x > ALONG) - usize::from(x < -ALONG));
         let seed = hull.seeds[9 * cell[0] + 3 * cell[1] + cell[2]] as usize;
-        let along = |vertex: usize| self.along(local, hull.id(vertex));
-        let best = match self.last.get() {
+        let along = |vertex: usize| hull.along(local, vertex);
+        let start = match self.last.get() {
             Some(last) if along(seed) <= along(last) => last,
             _ => seed,
         };
-        let best = hull.climb(best, along);
+        let best = hull.climb(start, local);
         self.last.set(Some(best));
         hull.id(best)
     }
-}
 
-impl Hull<'_> {
-    /// Moves from a vertex to better neighbours until there is none. A round compares the
-    /// neighbours of the vertex at its start.
-    fn climb(&self, start: usize, along: impl Fn(usize) -> f64) -> usize {
-        let (mut best, mut most) = (start, along(start));
-        loop {
-            let before = best;
-            for other in self.neighbours(self.starts[before] as usize) {
-                let height = along(other);
-                if height > most {
-                    (best, most) = (other, height);
-                }
-            }
-            if best == before {
-                return best;
-            }
-        }
+    /// The mesh's part of `mesh_graph` from its first list on: where the neighbours of each vertex
+    /// begin, and the number of vertices.
+    fn graph(&self) -> Option<(&'a [i32], usize)> {
+        let start = usize::try_from(self.all.mesh_graphadr[self.mesh]).ok()?;
+        let count = self.all.mesh_graph[start] as usize;
+        Some((&self.all.mesh_graph[start + 2..], count))
     }
 }
 
@@ -207,9 +158,9 @@ pub(super) fn plane_neighbours(
     let local = rotate_back(shape.mat, scale(normal, -1.0));
     let at = |vertex: usize| add(rotate(shape.mat, mesh.vertex(vertex)), shape.pos);
     // the search of libccd, which begins at the first vertex
-    let climbs = mesh.hull.filter(|_| mesh.vertices.len() >= FEW);
+    let climbs = mesh.climbs();
     let number = match climbs {
-        Some(hull) => hull.climb(0, |vertex| mesh.along(local, hull.id(vertex))),
+        Some(hull) => hull.climb(0, local),
         None => mesh.search(local),
     };
     let lowest = climbs.map_or(number, |hull| hull.id(number));
@@ -226,17 +177,19 @@ pub(super) fn plane_neighbours(
             count += 1;
         }
     };
-    match mesh.hull {
+    match mesh.graph() {
         None => {
             let others = (0..mesh.vertices.len()).filter(|vertex| *vertex != number);
             others.for_each(other);
         }
         // in a small mesh, the number is one of the mesh, but MuJoCo looks it up in the graph
-        Some(hull) => {
-            let start = hull.starts.get(number).copied().unwrap_or_default();
-            let neighbours = usize::try_from(start).map(|start| hull.neighbours(start));
-            for vertex in neighbours.into_iter().flatten() {
-                if let Some(&id) = hull.ids.get(vertex) {
+        Some((starts, count)) => {
+            let (ids, lists) = (&starts[count..2 * count], &starts[2 * count..]);
+            let start = starts.get(number).copied().unwrap_or_default();
+            let start = usize::try_from(start).unwrap_or(usize::MAX);
+            let list = lists.get(start..).unwrap_or_default().iter();
+            for vertex in list.map_while(|vertex| usize::try_from(*vertex).ok()) {
+                if let Some(&id) = ids.get(vertex) {
                     other(id as usize);
                 }
             }

@@ -126,6 +126,10 @@ pub(in crate::physics) fn touch(
         mat: places.frames[k].1,
         size: &m.geom_size[pair.geom[k]],
     });
+    let costly = pair.is_convex() || pair.kind == (GeomType::Box, GeomType::Box);
+    if costly && bounds::far_apart(m, pair, [a, b]) {
+        return;
+    }
     let first = contacts.len();
     let (margin, push) = (pair.margin, &mut |hit: Hit| {
         contacts.push(contact(pair, index, &hit));

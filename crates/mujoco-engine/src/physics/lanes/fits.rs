@@ -55,7 +55,5 @@ pub(crate) fn fits(m: &Model, stride: &Stride) -> bool {
             .pairs
             .iter()
             .all(|pair| pair.dim <= 3 && pair.friction[0] == pair.friction[1])
-        && (bounds.rows > 0
-            || m.opt.solver == Solver::PGS
-            || plan.pairs.is_empty() && plan.limits.is_empty())
+        && (!bounds.exceeded || m.opt.solver == Solver::PGS)
 }

@@ -69,7 +69,8 @@ impl Rows {
             polytope: Polytope::new(m.plan().deep),
             ..Self::default()
         };
-        buffers.reserve(nv, bounds.rows);
+        // of many rows, few are used
+        buffers.reserve(nv, if bounds.exceeded { 0 } else { bounds.rows });
         buffers
     }
 

@@ -8,6 +8,9 @@ use crate::{Data, Model};
 
 /// The distance, in lengths of `along`, from `point` to the nearest visible geom on the ray, and
 /// that geom: MuJoCo's `mj_ray`. Geoms of the body `except` are ignored.
+///
+/// The first ray to a mesh sorts the mesh's triangles, unless the model has range finders: then they
+/// are sorted when the model is made.
 #[must_use]
 pub fn ray(
     m: &Model,

@@ -5,6 +5,7 @@ use crate::Model;
 use crate::math::spatial::{
     MINVAL, Mat3, Vec3, add_scaled, column, cross, dot, normalize, rotate_back, sub,
 };
+use crate::model::bounds::Bounds;
 
 /// A ray in the frame of a geom, and two directions that are orthogonal to it.
 struct Local {
@@ -32,6 +33,19 @@ impl Local {
             along,
             across: [first, second],
         }
+    }
+
+    /// Whether the line through the ray may meet a box, or a triangle within, up to rounding.
+    fn meets(&self, [centre, half]: &Bounds) -> bool {
+        const ROUNDING: f64 = 1e-12;
+        let from = sub(*centre, self.from);
+        let size = |v: &Vec3| v[0].abs() + v[1].abs() + v[2].abs();
+        let rounding = ROUNDING * (size(&from) + size(half));
+        let beside = |axis: &Vec3| {
+            let reach = dot(axis.map(f64::abs), *half);
+            dot(*axis, from).abs() > reach + rounding
+        };
+        !self.across.iter().any(beside)
     }
 
     fn at(&self, distance: f64, axis: usize) -> f64 {
@@ -91,11 +105,18 @@ pub(super) fn mesh(m: &Model, g: usize, place: (Vec3, &Mat3), point: Vec3, along
     }
     let (all, first) = (&*m.meshes, m.meshes.mesh_vertadr[mesh]);
     let start = all.mesh_faceadr[mesh];
+    let corner = |number: u32| all.mesh_vert[first + number as usize].map(f64::from);
     let mut found = -1.0;
-    for corners in &all.mesh_face[start..start + all.mesh_facenum[mesh]] {
-        let corner = |number: u32| all.mesh_vert[first + number as usize].map(f64::from);
-        keep(&mut found, ray.triangle(corners.map(corner)));
-    }
+    let triangles = m.meshes.triangles(mesh);
+    triangles.visit(
+        |bounds| ray.meets(bounds),
+        |number| {
+            keep(
+                &mut found,
+                ray.triangle(all.mesh_face[start + number].map(corner)),
+            )
+        },
+    );
     found
 }
 
@@ -198,4 +219,70 @@ pub(super) fn hfield(m: &Model, g: usize, place: (Vec3, &Mat3), point: Vec3, alo
         }
     }
     found
+}
+
+#[cfg(test)]
+mod tests {
+    use gym_numerics::RandomState;
+
+    use super::*;
+    use crate::math::spatial::IDENTITY;
+
+    /// The boxes around triangles leave out none that a ray meets, and most others.
+    #[test]
+    fn few_triangles_are_compared_and_none_is_missed() {
+        let mut random = RandomState::new(0);
+        let (mut vertices, mut faces) = (String::new(), String::new());
+        for k in 0..1500 {
+            // slivers, small and large triangles around a centre
+            let size = [1e-6, 0.01, 0.1, 1.0][k % 4];
+            let centre: Vec3 = std::array::from_fn(|_| random.uniform(-1.0, 1.0));
+            for corner in 0..3 {
+                let scale = if k % 3 == 0 && corner == 2 {
+                    1e-9
+                } else {
+                    size
+                };
+                let at = centre.map(|x| x + scale * random.uniform(-1.0, 1.0));
+                vertices += &format!("{} {} {} ", at[0], at[1], at[2]);
+                faces += &format!("{} ", 3 * k + corner);
+            }
+        }
+        let text = format!(
+            r#"<mujoco><asset><mesh name="m" inertia="shell" vertex="{vertices}" face="{faces}"/></asset>
+            <worldbody><geom type="mesh" mesh="m" contype="0" conaffinity="0"/></worldbody></mujoco>"#
+        );
+        let m = Model::from_xml(&text).unwrap();
+        let all = &*m.meshes;
+        let corner = |number: u32| all.mesh_vert[number as usize].map(f64::from);
+        let (mut hits, mut compared) = (0, 0);
+        for i in 0..2000 {
+            let from: Vec3 = std::array::from_fn(|_| random.uniform(-2.0, 2.0));
+            let mut along: Vec3 = std::array::from_fn(|_| random.uniform(-1.0, 1.0));
+            match i % 4 {
+                0 => along[i / 4 % 3] = 0.0,
+                // to a corner
+                1 => along = sub(corner(i as u32), from),
+                _ => {}
+            }
+            let ray = Local::new(([0.0; 3], &IDENTITY), from, along);
+            let mut expected = -1.0;
+            for face in &all.mesh_face {
+                keep(&mut expected, ray.triangle(face.map(corner)));
+            }
+            let mut found = -1.0;
+            m.meshes.triangles(0).visit(
+                |bounds| ray.meets(bounds),
+                |number| {
+                    compared += 1;
+                    keep(&mut found, ray.triangle(all.mesh_face[number].map(corner)));
+                },
+            );
+            assert_eq!(found.to_bits(), expected.to_bits(), "ray {i}");
+            hits += usize::from(found >= 0.0);
+        }
+        assert!(hits > 500, "{hits}");
+        let share = f64::from(compared) / (2000.0 * all.mesh_face.len() as f64);
+        assert!(share < 0.3, "{share}");
+    }
 }

@@ -57,7 +57,10 @@ impl Buffers {
         if m.opt.solver != Solver::PGS && m.opt.noslip_iterations == 0 {
             return buffers;
         }
-        let (rows, groups) = (bounds.rows, dense::groups(bounds.rows));
+        // the matrix of all rows has the square of their number, and grows beyond this
+        const MOST: usize = 1000;
+        let rows = bounds.rows.min(MOST);
+        let groups = dense::groups(rows);
         buffers.half.reserve(nv * groups);
         buffers.ar.reserve(rows * groups);
         buffers.force.reserve(groups);

@@ -305,10 +305,6 @@ const fn hand<S: Skill>(
         .description(description)
         .kwargs(kwargs)
         .max_episode_steps(200)
-        .exceptions(&[(
-            "no-allocation",
-            "buffers of contacts grow in the first steps",
-        )])
         .clip(Clip {
             seeds: 0..2,
             every: 4,

@@ -111,10 +111,8 @@ pub(super) fn mesh(m: &Model, g: usize, place: (Vec3, &Mat3), point: Vec3, along
     triangles.visit(
         |bounds| ray.meets(bounds),
         |number| {
-            keep(
-                &mut found,
-                ray.triangle(all.mesh_face[start + number].map(corner)),
-            )
+            let triangle = all.mesh_face[start + number].map(corner);
+            keep(&mut found, ray.triangle(triangle));
         },
     );
     found

@@ -23,7 +23,6 @@ pub(crate) struct Buffers {
     pub(super) mgrad: Vec<Lanes>,
     pub(super) search: Vec<Lanes>,
     pub(super) mv: Vec<Lanes>,
-    pub(super) row_update: Vec<Lanes>,
     pub(super) way: Way,
     /// The Hessian's lower triangle by columns, then its factor.
     pub(super) hessian: Vec<Lanes>,
@@ -34,6 +33,9 @@ pub(crate) struct Buffers {
     /// The terms of the force on the joints: for each row, the index at which its Jacobian starts,
     /// and the row's force.
     pub(super) terms: Vec<(usize, f64)>,
+    /// The rows by which a factor is updated, and whether each is added.
+    pub(super) updates: Vec<Lanes>,
+    pub(super) adds: Vec<bool>,
     // vectors over rows
     pub(super) jar: Vec<f64>,
     pub(super) jv: Vec<f64>,
@@ -88,6 +90,8 @@ impl Buffers {
             buffers.hessian.reserve(nv * groups);
             buffers.pushing.reserve(rows * groups);
             buffers.pushed.reserve(rows * groups);
+            buffers.updates.reserve(rows * groups);
+            buffers.adds.reserve(rows);
         }
         buffers.terms.reserve(rows);
         for vector in [
@@ -118,7 +122,7 @@ impl Buffers {
 
     /// The vectors with a number for each degree of freedom.
     #[inline(always)]
-    fn of_dofs(&mut self) -> [&mut Vec<Lanes>; 11] {
+    fn of_dofs(&mut self) -> [&mut Vec<Lanes>; 10] {
         [
             &mut self.acc,
             &mut self.smooth,
@@ -128,7 +132,6 @@ impl Buffers {
             &mut self.mgrad,
             &mut self.search,
             &mut self.mv,
-            &mut self.row_update,
             &mut self.grad_before,
             &mut self.mgrad_before,
         ]

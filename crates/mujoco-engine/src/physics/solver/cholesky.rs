@@ -150,39 +150,47 @@ fn substitute(factor: &[Lanes], n: usize, stride: usize, x: &mut [Lanes], revisi
     }
 }
 
-/// Updates `L` to the factor of `L L' + x x'` or `L L' - x x'`: MuJoCo's `mju_cholUpdate`. Returns
-/// false if the difference is not positive definite.
+/// Updates `L` to the factor of `L L' + x x'` or `L L' - x x'` for each `x` of `rows`, one after the
+/// other: MuJoCo's `mju_cholUpdate`. `adds` has the signs. Returns false if a difference is not
+/// positive definite; `L` is then undefined.
+///
+/// MuJoCo completes one update before the next. Here each column takes all updates before the next
+/// column, so that the roots and quotients of one update need not wait for those of another.
 #[inline(always)]
 pub(super) fn update(
     factor: &mut [Lanes],
     n: usize,
     stride: usize,
-    x: &mut [Lanes],
-    adds: bool,
+    rows: &mut [Lanes],
+    adds: &[bool],
 ) -> bool {
     let mut definite = true;
     for k in 0..n {
         let (first, lane) = (k / 4, k % 4);
-        let xk = x[first][lane];
-        if xk == 0.0 {
-            continue;
+        let column = &mut factor[k * stride + first..(k + 1) * stride];
+        let mut lkk = column[0][lane];
+        for (x, &adds) in rows.chunks_exact_mut(stride).zip(adds) {
+            let x = &mut x[first..];
+            let xk = x[0][lane];
+            if xk == 0.0 {
+                continue;
+            }
+            let mut square = lkk * lkk + if adds { xk * xk } else { -xk * xk };
+            if square < MINVAL {
+                square = MINVAL;
+                definite = false;
+            }
+            let r = square.sqrt();
+            let c = r / lkk;
+            let (inverse, s) = (1.0 / c, xk / lkk);
+            let signed = if adds { s } else { -s };
+            for (l, x) in column.iter_mut().zip(x) {
+                *l = times(plus(*l, *x, signed), inverse);
+                *x = minus(times(*x, c), *l, s);
+            }
+            lkk = r;
         }
-        let column = &mut factor[k * stride..(k + 1) * stride];
-        let lkk = column[first][lane];
-        let mut square = lkk * lkk + if adds { xk * xk } else { -xk * xk };
-        if square < MINVAL {
-            square = MINVAL;
-            definite = false;
-        }
-        let r = square.sqrt();
-        let c = r / lkk;
-        let (inverse, s) = (1.0 / c, xk / lkk);
-        let signed = if adds { s } else { -s };
-        for (l, x) in column[first..].iter_mut().zip(&mut x[first..]) {
-            *l = times(plus(*l, *x, signed), inverse);
-            *x = minus(times(*x, c), *l, s);
-        }
-        column[first][lane] = r;
+        column[0][lane] = lkk;
     }
     definite
 }
@@ -268,19 +276,48 @@ mod tests {
     }
 
     #[test]
+    fn many_updates_have_the_bits_of_one_at_a_time() {
+        let groups = groups(N);
+        let mut factors = by_columns(&matrix());
+        factor(&mut factors, N, groups);
+        let element = |i: usize| match i % 5 {
+            0 => 0.0,
+            _ => 1.0 / (1.0 + (7 * i % 23) as f64) - 0.1,
+        };
+        let mut rows = vec![[0.0; 4]; 6 * groups];
+        for (u, row) in rows.chunks_exact_mut(groups).enumerate() {
+            let row = row.as_flattened_mut()[..N].iter_mut();
+            row.enumerate().for_each(|(i, x)| *x = element(N * u + i));
+        }
+        let adds = [true, true, true, false, true, false];
+        let (mut alone, mut copies) = (factors.clone(), rows.clone());
+        for (x, adds) in copies.chunks_exact_mut(groups).zip(adds) {
+            assert!(update(&mut alone, N, groups, x, &[adds]));
+        }
+        assert!(update(&mut factors, N, groups, &mut rows, &adds));
+        for j in 0..N {
+            for i in j..N {
+                let [together, alone] =
+                    [&factors, &alone].map(|factors| factors[j * groups + i / 4][i % 4]);
+                assert_eq!(together.to_bits(), alone.to_bits(), "{i} {j}");
+            }
+        }
+    }
+
+    #[test]
     fn an_update_and_its_reverse_lead_back() {
         let mut factors = by_columns(&matrix());
         factor(&mut factors, N, groups(N));
         let before = factors.clone();
         let row = || vec![[0.0, 0.5, 0.0, -0.25], [0.125, 0.0, 0.3, 0.0]];
-        assert!(update(&mut factors, N, groups(N), &mut row(), true));
+        assert!(update(&mut factors, N, groups(N), &mut row(), &[true]));
         let mut sum = matrix();
         let x = row().as_flattened().to_vec();
         (0..N).for_each(|i| (0..N).for_each(|j| sum[i][j] += x[i] * x[j]));
         let mut expected = by_columns(&sum);
         factor(&mut expected, N, groups(N));
         for (factors, expected) in [(factors.clone(), expected), {
-            assert!(update(&mut factors, N, groups(N), &mut row(), false));
+            assert!(update(&mut factors, N, groups(N), &mut row(), &[false]));
             (factors.clone(), before)
         }] {
             for j in 0..N {
@@ -295,7 +332,7 @@ mod tests {
         }
         let mut far = vec![[9.0; 4]; groups(N)];
         assert!(
-            !update(&mut factors, N, groups(N), &mut far, false),
+            !update(&mut factors, N, groups(N), &mut far, &[false]),
             "not positive definite any more"
         );
     }

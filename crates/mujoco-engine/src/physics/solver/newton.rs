@@ -455,6 +455,8 @@ fn hessian(problem: &Problem<'_>, b: &mut Buffers) {
 #[inline(always)]
 fn update_hessian(problem: &Problem<'_>, b: &mut Buffers) -> bool {
     let mut definite = true;
+    b.updates.clear();
+    b.adds.clear();
     for row in 0..b.jar.len() {
         let pushes = match problem.row_costs {
             None => b.jar[row] < 0.0,
@@ -464,20 +466,20 @@ fn update_hessian(problem: &Problem<'_>, b: &mut Buffers) -> bool {
             continue;
         }
         b.pushes[row] = pushes;
-        if definite {
-            let root = problem.d[row].sqrt();
-            if problem.sparse {
-                definite = b.sparse.update(row, root, pushes);
-                continue;
-            }
-            for (x, jac) in b.row_update.iter_mut().zip(problem.row(row)) {
-                *x = times(*jac, root);
-            }
-            let (n, stride, x) = (problem.n, problem.stride, &mut b.row_update);
-            definite = cholesky::update(&mut b.hessian, n, stride, x, pushes);
+        let root = problem.d[row].sqrt();
+        if problem.sparse {
+            definite = definite && b.sparse.update(row, root, pushes);
+            continue;
         }
+        let jac = problem.row(row).iter();
+        b.updates.extend(jac.map(|jac| times(*jac, root)));
+        b.adds.push(pushes);
     }
-    definite
+    let (n, stride) = (problem.n, problem.stride);
+    if problem.sparse || b.adds.is_empty() {
+        return definite;
+    }
+    cholesky::update(&mut b.hessian, n, stride, &mut b.updates, &b.adds)
 }
 
 /// Computes the factor of the Hessian with the second derivatives of the cones: MuJoCo's
@@ -491,17 +493,22 @@ fn add_cones(problem: &Problem<'_>, b: &mut Buffers) {
     }
     b.with_cones.clear();
     b.with_cones.extend_from_slice(&b.hessian);
+    let (n, stride) = (problem.n, problem.stride);
+    b.updates.clear();
+    b.adds.clear();
     for cone in &b.cones {
         let local = local_factor(cone);
         for c in 0..cone.dim {
-            b.row_update.fill([0.0; 4]);
+            let start = b.updates.len();
+            b.updates.resize(start + stride, [0.0; 4]);
             for r in c..cone.dim {
-                add_scaled(&mut b.row_update, problem.row(cone.row + r), local[r][c]);
+                let jac = problem.row(cone.row + r);
+                add_scaled(&mut b.updates[start..], jac, local[r][c]);
             }
-            let (n, stride, x) = (problem.n, problem.stride, &mut b.row_update);
-            cholesky::update(&mut b.with_cones, n, stride, x, true);
+            b.adds.push(true);
         }
     }
+    cholesky::update(&mut b.with_cones, n, stride, &mut b.updates, &b.adds);
 }
 
 /// Returns the factor `L` of a cone's second derivatives `L L'`: MuJoCo's `mju_cholFactor`.

@@ -484,7 +484,7 @@ fn update_hessian(problem: &Problem<'_>, b: &mut Buffers) -> bool {
 
 /// Computes the factor of the Hessian with the second derivatives of the cones: MuJoCo's
 /// `HessianCone`.
-#[inline(never)]
+#[inline(always)]
 fn add_cones(problem: &Problem<'_>, b: &mut Buffers) {
     if problem.sparse {
         let cones = b.cones.iter();

@@ -38,9 +38,11 @@ const TEXT: &str = r#"<mujoco>
   <actuator><position joint="a0" kp="4"/><position joint="b0" kp="4"/><position joint="d0" kp="4"/><motor joint="p" gear=".3"/></actuator>
 </mujoco>"#;
 
+type Case = (&'static str, bool, &'static [(&'static str, u64)]);
+
 /// Options, whether robot and box are welded, and for some versions the digest of 200 steps. From
 /// 4.0 on, Newton's method orders the degrees of freedom anew, which the engine does not repeat.
-const CASES: [(&str, bool, &[(&str, u64)]); 8] = [
+const CASES: [Case; 8] = [
     (
         "",
         false,

@@ -9,7 +9,8 @@ use gym_core::wrappers::TimeLimit;
 use gym_core::{EnvSpec, Registration, Result};
 
 use crate::arguments::{Common, TaskArguments};
-use crate::env::{Settings, SimEnv};
+use crate::env::SimEnv;
+use crate::settings::Settings;
 use crate::simulation::{Simulation, Stepper};
 use crate::task::SimTask;
 

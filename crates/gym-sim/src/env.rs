@@ -7,95 +7,23 @@ use gym_core::render::Metadata;
 use gym_core::spaces::BoxSpace;
 use gym_core::vector::lockstep::Lockstep;
 use gym_core::{
-    Array, DType, Env, Error, Generator, Goals, Inspect, Outcome, RandomState, Reset, Result, Seed,
+    Array, Env, Error, Generator, Goals, Inspect, Outcome, RandomState, Reset, Result, Seed,
     Snapshot, Space, Value,
 };
+use mujoco_engine::Data;
 use mujoco_engine::lanes::Derived;
 use mujoco_engine::math::MAXVAL;
-use mujoco_engine::{Data, Model};
-use serde::Serialize;
 use serde_json::{Value as Json, json};
 
 use crate::episode::Episode;
 use crate::observation::{Layout, Observation};
 use crate::pixels::Pixels;
 use crate::rng::Rng;
+use crate::settings::Settings;
 use crate::simulation::{Simulation, Stepper};
 use crate::start::Start;
 use crate::task::SimTask;
 use crate::together::{Groups, Member};
-
-/// What an environment has beside its task and its simulation.
-#[derive(Clone, Debug)]
-#[non_exhaustive]
-pub struct Settings {
-    /// The environment's name, in snapshots and in the names of wrappers around it.
-    pub name: &'static str,
-    /// The arguments, as JSON. A snapshot must have the same.
-    pub arguments: Json,
-    /// The version of the rules, which a snapshot must have too; `None` for tasks of one version.
-    pub version: Option<u32>,
-    /// The action space. By default, the ranges of the controls, in single precision.
-    pub action_space: Option<Space>,
-    /// Whether the observation is one vector, with the parts one after the other, instead of a
-    /// dict.
-    pub flat: bool,
-    /// The type of the observation's numbers: double or single precision.
-    pub dtype: DType,
-    /// Width and height of a picture that is observed instead of numbers.
-    pub pixels: Option<u32>,
-    /// Width and height of rendered pictures.
-    pub size: (u32, u32),
-    /// Whether pictures have depths.
-    pub depth: bool,
-    /// The number of steps of an episode, which can be fractional or infinite.
-    pub limit: f64,
-    /// Whether starts are drawn from numpy's `RandomState`, as in dm_control.
-    pub random_state: bool,
-    /// Positions and velocities at the start, instead of those that the task sets.
-    pub start: [Option<Vec<f64>>; 2],
-    /// A model for pictures whose colours show a reward.
-    pub coloured: Option<fn(&Model, f64) -> Model>,
-}
-
-impl Settings {
-    /// Settings of Gymnasium's kind: a flat observation of doubles, no limit.
-    #[must_use]
-    pub fn new(name: &'static str, arguments: &impl Serialize) -> Self {
-        Self {
-            name,
-            arguments: serde_json::to_value(arguments).unwrap_or_default(),
-            version: None,
-            action_space: None,
-            flat: true,
-            dtype: DType::F64,
-            pixels: None,
-            size: (480, 480),
-            depth: true,
-            limit: f64::INFINITY,
-            random_state: false,
-            start: [None, None],
-            coloured: None,
-        }
-    }
-
-    /// What a snapshot must have.
-    fn config(&self) -> Json {
-        match self.version {
-            Some(version) => json!([version, self.arguments]),
-            None => self.arguments.clone(),
-        }
-    }
-
-    /// The name of the version of MuJoCo in what a snapshot has.
-    fn mujoco(&self, config: &Json) -> Option<String> {
-        let arguments = match self.version {
-            Some(_) => &config[1],
-            None => config,
-        };
-        arguments["mujoco"].as_str().map(str::to_owned)
-    }
-}
 
 /// The environment of a task.
 ///
@@ -362,34 +290,6 @@ impl SimEnv {
         self.seen
             .write(&self.layout, settings.flat, settings.dtype, observation);
     }
-
-    /// Improves the error of a snapshot that this environment refuses. If the snapshot is of
-    /// another version of MuJoCo, the message names that version.
-    fn explain_refusal(&self, snapshot: &Snapshot, error: Error) -> Error {
-        /// The part of a snapshot that this function reads.
-        #[derive(serde::Deserialize)]
-        struct Taken {
-            env: String,
-            config: Json,
-        }
-        let settings = &*self.settings;
-        let Ok(taken) = snapshot.get::<Taken>() else {
-            return error;
-        };
-        match (
-            settings.mujoco(&taken.config),
-            settings.mujoco(&settings.config()),
-        ) {
-            (Some(other), Some(own)) if taken.env == settings.name && other != own => {
-                let env = settings.name;
-                Error::Snapshot(format!(
-                    "it was taken from a {env} of MuJoCo {other}, and this one is of MuJoCo {own}: restore it into an \
-                     environment made with mujoco=\"{other}\""
-                ))
-            }
-            _ => error,
-        }
-    }
 }
 
 impl Env for SimEnv {
@@ -451,7 +351,7 @@ impl Env for SimEnv {
         let config = settings.config();
         let (of, measures) = ((settings.name, &config), self.task.measures());
         let found = Episode::read(snapshot, of, measures, settings.random_state);
-        let mut episode = found.map_err(|error| self.explain_refusal(snapshot, error))?;
+        let mut episode = found.map_err(|error| settings.explain_refusal(snapshot, error))?;
         if let Some(Episode {
             constants,
             steps,

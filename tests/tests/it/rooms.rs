@@ -29,6 +29,7 @@ const CRATES: [(&str, &[&str]); 3] = [
             "together",
             "load",
             "episode",
+            "settings",
             "env",
             "entry",
         ],

@@ -10,6 +10,7 @@ mod copies;
 mod frames;
 mod hfields;
 mod language;
+mod limits;
 mod meshes;
 mod mjcf;
 mod numbers;

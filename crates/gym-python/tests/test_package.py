@@ -63,6 +63,7 @@ PLAY = """
 import sys
 import rustgym
 
+assert "dm_env" not in sys.modules
 for env_id in sys.argv[1:]:
     env = rustgym.make(env_id)
     env.reset(seed=0)

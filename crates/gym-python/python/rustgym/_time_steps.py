@@ -8,7 +8,7 @@ import numpy as np
 import numpy.typing as npt
 from gymnasium.vector import AutoresetMode
 
-from rustgym._specs import class_of, spec_of
+from rustgym._specs import class_of
 from rustgym._step_type import StepType
 
 if TYPE_CHECKING:
@@ -23,6 +23,7 @@ class TimeSteps:
     """Adds a vector's time steps to its infos.
 
     Args:
+        num_envs: How many environments there are.
         max_episode_steps: The limit around each environment, which dm_env's time steps do not know of; ``None`` or -1 for none.
         env_id: The id of the environments.
         kwargs: Their arguments.
@@ -36,13 +37,6 @@ class TimeSteps:
             env = class_of(env_id)(**kwargs)
             if max_episode_steps < round((env.arguments["time_limit"] or np.inf) / env.dt):
                 self._limit = max_episode_steps
-
-    @staticmethod
-    def of(envs: VectorEnv, max_episode_steps: int | None) -> TimeSteps | None:
-        """Those of a vector; ``None`` if its environments are not of the Control Suite."""
-        if spec_of(envs.env_id)["crate"] != "gym-control":
-            return None
-        return TimeSteps(envs.num_envs, max_episode_steps, envs.env_id, envs._given)
 
     def reset(self, envs: VectorEnv, infos: dict[str, Any], mask: list[bool] | None) -> None:
         """Adds to the infos of a reset of the environments with a true value in ``mask``."""

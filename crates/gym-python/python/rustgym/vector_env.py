@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import operator
 from collections.abc import Callable, Iterable, Mapping, Sequence
+from importlib import import_module
 from typing import Any
 
 import gymnasium
@@ -19,7 +20,6 @@ from rustgym._preprocessing import preprocessed
 from rustgym._seeds import Seeds
 from rustgym._spaces import space_from
 from rustgym._specs import class_of, metadata_from, native_arguments, native_options, spec_of
-from rustgym._time_steps import TimeSteps
 from rustgym.env import Env, checked_seed
 
 __all__ = ["VectorEnv"]
@@ -186,7 +186,10 @@ class VectorEnv(gymnasium.vector.VectorEnv[Any, Any, Any]):
         )
         self.kind = self._native.kind
         self._take_spaces()
-        self._time_steps = TimeSteps.of(self, max_episode_steps)
+        is_of_suite = spec_of(env_id)["crate"] == "gym-control"
+        # the module imports dm_env, if that is installed
+        steps = import_module("rustgym._time_steps").TimeSteps if is_of_suite else None
+        self._time_steps = steps and steps(num_envs, max_episode_steps, env_id, kwargs)
         self._seeds = None if seeds is None else Seeds(seeds, self.autoreset_mode)
         self._watch()
 

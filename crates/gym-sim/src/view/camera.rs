@@ -1,4 +1,4 @@
-//! Perspective cameras.
+//! Perspective cameras; an orthographic camera is one that is far away.
 
 use gym_core::canvas::Point;
 
@@ -22,6 +22,8 @@ pub(super) struct Camera {
     /// The point around which details are drawn: the point that the camera looks at, or a point
     /// ahead.
     pub(super) focus: Vec3,
+    /// How far the camera stands behind the place that it stands for, in m.
+    pub(super) back: f64,
 }
 
 impl Camera {
@@ -37,6 +39,21 @@ impl Camera {
             focal: size[1] / 2.0 * cos / sin,
             size,
             focus: add_scaled(pos, ahead, 3.0),
+            back: 0.0,
+        }
+    }
+
+    /// The camera with rays that are nearly parallel, and a view of this height in m: it steps back by
+    /// a thousand heights, so that the edge of the view is off by a thousandth of how far a point is
+    /// ahead, in heights.
+    pub(super) fn orthographic(self, height: f64) -> Self {
+        const HEIGHTS: f64 = 1000.0;
+        let back = HEIGHTS * height;
+        Self {
+            pos: add_scaled(self.pos, self.ahead, -back),
+            focal: self.size[1] * HEIGHTS,
+            back,
+            ..self
         }
     }
 

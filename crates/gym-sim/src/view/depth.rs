@@ -40,7 +40,8 @@ impl View {
             camera.size[0] / f64::from(width),
             camera.size[1] / f64::from(height),
         ];
-        let mut depths = vec![far; columns * rows];
+        let back = camera.back as f32;
+        let mut depths = vec![far + back; columns * rows];
         let floor = floor_of(model, data, self.max_geom);
         for g in (0..model.ngeom()).take(self.max_geom) {
             let plane = model.geom_type[g] == GeomType::Plane;
@@ -71,6 +72,13 @@ impl View {
             let scene = self.scene(model, data, picture);
             let focal = step.map(|step| camera.focal / step);
             meshes::depths(&scene, self.max_geom, ([columns, rows], focal), &mut depths);
+        }
+        for depth in &mut depths {
+            *depth = if *depth < far + back {
+                *depth - back
+            } else {
+                far
+            };
         }
         depths
     }
@@ -110,6 +118,38 @@ mod tests {
     use super::*;
     use crate::view::CameraConfig;
     use mujoco_engine::forward;
+
+    /// A pixel of an orthographic camera's picture is as wide near the camera as far from it.
+    #[test]
+    fn an_orthographic_camera_sees_lengths() {
+        let text = r#"<mujoco><worldbody><geom type="plane" size="0 0 1"/>
+            <camera pos="0 0 5" projection="orthographic" fovy="4"/>
+            <geom type="box" size="0.31 0.31 0.1" pos="-1 0 4"/><geom type="box" size="0.31 0.31 0.1" pos="1 0 1"/></worldbody></mujoco>"#;
+        let model = Model::from_xml(text).unwrap();
+        let mut data = Data::new(&model);
+        forward(&model, &mut data);
+        let depths = View::of_camera(&model, 0).depth(&model, &data, (200, 100));
+        let row: Vec<f64> = depths[50 * 200..51 * 200]
+            .iter()
+            .map(|x| f64::from(*x))
+            .collect();
+        for (x, depth) in row.iter().enumerate() {
+            // 25 pixels are 1 m, and the camera is above the middle
+            let at = (x as f64 + 0.5 - 100.0) / 25.0;
+            let within = |middle: f64| (at - middle).abs() < 0.31;
+            let expected = if within(-1.0) {
+                0.9
+            } else if within(1.0) {
+                3.9
+            } else {
+                5.0
+            };
+            assert!(
+                (depth - expected).abs() < 1e-3,
+                "{at}: {depth} for {expected}"
+            );
+        }
+    }
 
     #[test]
     fn depths_are_distances_ahead() {

@@ -116,6 +116,8 @@ struct Own {
     pos: Vec3,
     quat: [f64; 4],
     fovy: f64,
+    /// The height of an orthographic camera's view, in m.
+    parallel: Option<f64>,
     /// The orientation in the initial configuration, and the position relative to the body and to
     /// its centre of mass.
     mat0: Mat3,
@@ -338,13 +340,20 @@ impl Own {
     fn new(model: &Model, data: &Data, id: usize) -> Self {
         let (body, pos, quat) = (model.cam_bodyid[id], model.cam_pos[id], model.cam_quat[id]);
         let place = add(data.xpos[body], rotate(&data.xmat[body], pos));
+        let orthographic = model.cam_projection[id] == 1;
         Self {
             mode: model.cam_mode[id],
             body,
             target: usize::try_from(model.cam_targetbodyid[id]).unwrap_or(0),
             pos,
             quat,
-            fovy: model.cam_fovy[id],
+            // the field of view of a perspective camera is an angle
+            fovy: if orthographic {
+                FOVY
+            } else {
+                model.cam_fovy[id]
+            },
+            parallel: orthographic.then_some(model.cam_fovy[id]),
             mat0: quat_to_mat(mul_quat(data.xquat[body], quat)),
             from_body: sub(place, data.xpos[body]),
             from_com: sub(place, data.subtree_com[body]),
@@ -352,6 +361,14 @@ impl Own {
     }
 
     fn camera(&self, data: &Data, size: [f64; 2]) -> Camera {
+        if let Some(height) = self.parallel {
+            return self.perspective(data, size).orthographic(height);
+        }
+        self.perspective(data, size)
+    }
+
+    /// The camera as if its rays met in it.
+    fn perspective(&self, data: &Data, size: [f64; 2]) -> Camera {
         let body = self.body;
         let place = add(data.xpos[body], rotate(&data.xmat[body], self.pos));
         match self.mode {

@@ -65,8 +65,9 @@ pub(super) fn add_geom(
     let surface = mesh
         .filter(|_| *shape == GeomType::Mesh)
         .map(|id| &meshes[id]);
-    if *shape <= GeomType::Hfield && m.body_weldid[body] != 0 {
-        let reason = "a plane or height field belongs to the world or to a body fixed to it";
+    let weld = m.body_weldid[body];
+    if *shape == GeomType::Plane && weld != 0 && m.body_mocapid[weld] < 0 {
+        let reason = "a plane belongs to the world, a mocap body, or a body fixed to one";
         return Err(place.attribute("type", reason));
     }
     let volume = match surface {

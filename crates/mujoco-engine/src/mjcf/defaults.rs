@@ -129,7 +129,11 @@ impl Classes {
                 "site" => values.site.read(&mut child)?,
                 "camera" => values.camera.read(&mut child)?,
                 "light" => values.light.read(&mut child)?,
-                "material" => values.material.read(&mut child)?,
+                "material" => {
+                    values.material.read(&mut child)?;
+                    child.finish()?;
+                    continue;
+                }
                 "pair" => values.pair.read(&mut child)?,
                 "equality" => values.equality.read_common(&mut child)?,
                 "tendon" => values.tendon.read(&mut child)?,

@@ -172,8 +172,8 @@ fn texts_have_libmujocos_elevations() {
         ),
         (
             field,
-            "<body><freejoint/><geom type=\"hfield\" hfield=\"a\"/></body>",
-            "belongs to the world",
+            "<body><freejoint/><geom size=\"1\"/><geom type=\"plane\" size=\"1 1 1\"/></body>",
+            "a plane belongs to the world",
         ),
         (
             "name=\"a\" nrow=\"2\" ncol=\"2\"",

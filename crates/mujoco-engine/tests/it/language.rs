@@ -62,7 +62,7 @@ fn attached_models_and_what_needs_no_file_are_as_in_libmujoco() {
             models += 1;
         }
     }
-    assert_eq!(models, 14);
+    assert_eq!(models, 18);
 }
 
 fn names(m: &Model) -> Value {

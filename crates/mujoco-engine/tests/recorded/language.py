@@ -73,7 +73,16 @@ FILES = {
     "belt_cones.xml": BELT.replace("CONE", "elliptic"),
     "shapes.xml": SHAPES,
 }
-MODELS = ["parts", "copies", "nested", "itself", "belt", "belt_cones", "shapes"]
+HFIELD = '<hfield name="h" nrow="4" ncol="4" size="1 1 .3 .1" elevation="0 1 0 1 1 0 1 0 0 .5 0 1 1 0 1 0"/>'
+FALLING = """<body pos=".1 .2 SPHERE"><freejoint/><geom size=".2"/></body><body pos=".5 .2 BOX"><freejoint/><geom type="box" size=".1 .2 .1"/></body>
+<body pos="2 .2 .3"><freejoint/><geom type="capsule" size=".1 .2"/></body>"""
+FILES["moving_field.xml"] = f"""<mujoco><asset>{HFIELD}</asset><worldbody><body mocap="true" euler="5 10 0"><geom type="plane" size="3 3 .1"/></body>
+<body pos="0 0 .3" euler="10 20 0"><freejoint/><geom type="hfield" hfield="h"/><geom size=".2" pos="0 0 -.1"/></body>
+{FALLING.replace("SPHERE", ".5").replace("BOX", ".45")}</worldbody></mujoco>"""
+FILES["mocap_field.xml"] = f"""<mujoco><asset>{HFIELD}</asset><worldbody><body mocap="true" euler="5 10 0" pos="0 0 .3"><geom type="hfield" hfield="h"/></body>
+<body><geom type="plane" size="3 3 .1"/><geom type="box" size=".3 .3 .3" pos="2 0 -.1"/></body>
+{FALLING.replace("SPHERE", ".5").replace("BOX", ".45")}</worldbody></mujoco>"""
+MODELS = ["parts", "copies", "nested", "itself", "belt", "belt_cones", "shapes", "moving_field", "mocap_field"]
 KINDS = "body joint geom site tendon actuator sensor equality key".split()
 
 
@@ -92,6 +101,7 @@ def record(folder, name):
         mujoco.mj_step(model, data)
     keys = {key: getattr(model, "key_" + key).tolist() for key in ("time", "qpos", "qvel", "act", "ctrl", "mpos")}
     known = {kind: names(model, kind) for kind in KINDS}
+    assert data.ncon or name not in ("moving_field", "mocap_field")
     return {"qpos": data.qpos.tolist(), "sensordata": data.sensordata.tolist(), "names": known, "keys": keys if model.nkey else None}
 
 

@@ -120,8 +120,11 @@ def test_kitchen(models):
     assert info == {"tasks_to_complete": tasks, "step_task_completions": [], "episode_task_completions": []}
     assert {name: goal.shape for name, goal in observation["desired_goal"].items()} == {"kettle": (7,), "microwave": (1,)}
     assert observation in env.observation_space and env.action_space.dtype == np.float64
-    *_, info = env.step(env.action_space.sample())
+    observation, reward, *_, info = env.step(env.action_space.sample())
     assert info["tasks_to_complete"] == tasks
+    goals = observation["achieved_goal"], observation["desired_goal"]
+    assert env.unwrapped.compute_reward(*goals, info) == reward == 0.0
+    assert env.unwrapped.compute_reward(goals[1], goals[1], info) == 2.0
 
 
 def test_her_trains():

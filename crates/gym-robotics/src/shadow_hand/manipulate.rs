@@ -437,6 +437,10 @@ const fn manipulate(id: &'static str, kwargs: &'static str) -> Registration {
         .exceptions(&[
             ALLOCATES,
             (
+                "arguments-matter.rotation_threshold",
+                "it matters near the goal, which random actions do not reach",
+            ),
+            (
                 "goals-agree",
                 "in columns, the third goal of a pen is compared otherwise, as in the package",
             ),

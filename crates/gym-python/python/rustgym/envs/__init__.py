@@ -31,7 +31,7 @@ from rustgym.envs.classic_control import (
 from rustgym.envs.dm_control import ControlEnv
 from rustgym.envs.minigrid import GridEnv, name_of_class
 from rustgym.envs.mujoco import MODULES, MujocoEnv
-from rustgym.envs.robotics import AdroitEnv, GoalEnv, RobotEnv, base_of, class_of_package
+from rustgym.envs.robotics import AdroitEnv, GoalEnv, KitchenEnv, RobotEnv, base_of, class_of_package
 from rustgym.envs.toy_text import BlackjackEnv, CliffWalkingEnv, FrozenLakeEnv, TaxiEnv, generate_random_map
 from rustgym.registration import registry
 from rustgym.vector_env import VectorEnv
@@ -49,6 +49,7 @@ __all__ = [
     "ControlEnv",
     "FrozenLakeEnv",
     "GoalEnv",
+    "KitchenEnv",
     "LunarLander",
     "MountainCarEnv",
     "MujocoEnv",
@@ -112,7 +113,7 @@ def _env_class(name: str, env_id: str) -> type[Env]:
     own = {"__doc__": doc, "__module__": __name__, "_id": env_id, "metadata": metadata, "_fps": metadata.get("render_fps")}
     made = type(name, (base,), own)
     # Gymnasium's name of the class, because environments print it
-    if base in (AdroitEnv, GoalEnv, RobotEnv):
+    if base in (AdroitEnv, GoalEnv, KitchenEnv, RobotEnv):
         made.__name__ = class_of_package(env_id)
     elif base is MujocoEnv:
         made.__name__ = f"{task_of(env_id)}Env"

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
@@ -10,7 +11,7 @@ import numpy.typing as npt
 from rustgym._class_env import ClassEnv
 from rustgym.envs.dm_control import ControlEnv
 
-__all__ = ["AdroitEnv", "GoalEnv", "RobotEnv", "base_of", "class_of_package"]
+__all__ = ["AdroitEnv", "GoalEnv", "KitchenEnv", "RobotEnv", "base_of", "class_of_package"]
 
 _CLASSES = {
     "AdroitHandDoor": "AdroitHandDoorEnv",
@@ -38,7 +39,22 @@ def class_of_package(env_id: str) -> str:
 
 
 class AdroitEnv(ClassEnv):
-    """A task of the Adroit hand, whose model is another in each episode, or of the kitchen: the model is not shown."""
+    """A task of the Adroit hand, whose model is another in each episode: it is not shown."""
+
+
+class KitchenEnv(ClassEnv):
+    """The kitchen, on the model of the installed package, which is not shown."""
+
+    def compute_reward(self, achieved_goal: Mapping[str, Any], desired_goal: Mapping[str, Any], info: Mapping[str, Any]) -> float:
+        """The number of tasks whose positions are within 0.3 of the goal.
+
+        Args:
+            achieved_goal: Positions by task.
+            desired_goal: Positions at the goal by task.
+            info: The tasks that count, as ``tasks_to_complete``. (The package counts those that the environment has left.)
+        """
+        distances = [np.linalg.norm(achieved_goal[task] - desired_goal[task]) for task in info["tasks_to_complete"]]
+        return float(sum(distance < 0.3 for distance in distances))
 
 
 def _rows(goal: npt.ArrayLike) -> npt.NDArray[np.float64]:
@@ -110,6 +126,8 @@ class RobotEnv(_Goals, ClassEnv):
 
 def base_of(env_id: str) -> type[ClassEnv]:
     """The base of an id's class."""
-    if env_id.startswith(("Adroit", "Franka")):
+    if env_id.startswith("Adroit"):
         return AdroitEnv
+    if env_id.startswith("Franka"):
+        return KitchenEnv
     return GoalEnv if "Maze" in env_id else RobotEnv

@@ -128,15 +128,31 @@ const COLOURS: (&str, &str) = (
     "a reward of 0 changes no colour",
 );
 
+const HEIGHT: (&str, &str) = (
+    "arguments-matter.stand_height",
+    "who lies is not rewarded at any height",
+);
+const GROWS: (&str, &str) = (
+    "no-allocation",
+    "buffers of contacts grow in the first steps",
+);
+const SPEED: (&str, &str) = (
+    "arguments-matter.speed",
+    "a task with another goal rewards no speed",
+);
+
 /// The conformance exceptions of tasks with an argument `stand_height`.
-pub(crate) const STANDING: Exceptions = &[
-    LIMIT,
-    COLOURS,
-    (
-        "arguments-matter.stand_height",
-        "who lies is not rewarded at any height",
-    ),
-];
+pub(crate) const STANDING: Exceptions = &[LIMIT, COLOURS, HEIGHT];
+
+/// The conformance exceptions of tasks with bodies of many shapes.
+pub(crate) const SHAPELY: Exceptions = &[LIMIT, COLOURS, GROWS];
+
+/// The conformance exceptions of tasks with bodies of many shapes and an argument `stand_height`.
+pub(crate) const SHAPELY_STANDING: Exceptions = &[LIMIT, COLOURS, GROWS, HEIGHT];
+
+/// The conformance exceptions of tasks with bodies of many shapes and an argument `speed` for
+/// others.
+pub(crate) const SHAPELY_STILL: Exceptions = &[LIMIT, COLOURS, GROWS, SPEED];
 
 /// The conformance exceptions of tasks with an argument `target_size`.
 pub(crate) const TARGET: Exceptions = &[

@@ -19,6 +19,8 @@ pub enum Sigmoid {
     Quadratic(f64),
     /// `1 / (1 + (3 d)²)`: an inverse square, with the value 0.1 at the margin.
     LongTail,
+    /// `1 / (1 + 9 d)`: a hyperbola, with the value 0.1 at the margin.
+    Reciprocal,
 }
 
 /// A function that is 1 within bounds and decreases outside: dm_control's `tolerance`.
@@ -101,6 +103,8 @@ impl Tolerance {
             }
             // sqrt(1 / 0.1 - 1) is 3
             Sigmoid::LongTail => 1.0 / (square(d * 3.0) + 1.0),
+            // 1 / 0.1 - 1 is 9
+            Sigmoid::Reciprocal => 1.0 / (d.abs() * 9.0 + 1.0),
         }
     }
 }

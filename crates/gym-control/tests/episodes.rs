@@ -41,5 +41,5 @@ fn episodes_are_dm_controls() {
         "{}",
         unlike.join("\n")
     );
-    assert!(lines.len() >= 79);
+    assert!(lines.len() >= 103);
 }

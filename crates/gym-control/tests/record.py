@@ -14,7 +14,8 @@ import numpy as np
 from dm_control import suite
 
 DOMAINS = (
-    "acrobot ball_in_cup cartpole cheetah finger fish hopper humanoid lqr manipulator pendulum point_mass reacher stacker swimmer walker"
+    "acrobot ball_in_cup cartpole cheetah dog finger fish hopper humanoid humanoid_CMU lqr manipulator pendulum point_mass quadruped reacher "
+    "stacker swimmer walker"
 ).split()
 MARKS = [0, 1, 10, 100, 200, 300]
 

@@ -30,9 +30,9 @@ fn play(env: &mut BoxEnv, steps: u32) -> Vec<(Value, f64)> {
 }
 
 #[test]
-fn the_suite_has_39_ids() {
+fn the_suite_has_51_ids() {
     let ids = ids();
-    assert_eq!(ids.len(), 39, "{ids:?}");
+    assert_eq!(ids.len(), 51, "{ids:?}");
     assert!(ids.iter().all(|id| id.starts_with("dm_control/")));
 }
 
@@ -150,6 +150,9 @@ fn bad_arguments_are_refused() {
             "2 is not from 3 to 50",
         ),
         ("walker-walk", "speed", json!(-1.0), "-1 is not from 0"),
+        ("dog-walk", "speed", json!(-1.0), "-1 is not from 0"),
+        ("quadruped-run", "speed", json!(0.0), "0 is not from 0.01"),
+        ("quadruped-run", "goal", json!("rest"), "`speed`, `escape`"),
         ("walker-walk", "mujoco", json!("2.0"), "no MuJoCo version"),
     ] {
         let made = builder(&format!("dm_control/{id}-v0"))
@@ -169,6 +172,8 @@ fn a_snapshot_continues_anywhere() {
         "hopper-hop",
         "manipulator-insert_peg",
         "acrobot-swingup",
+        "quadruped-escape",
+        "dog-fetch",
     ] {
         let id = format!("dm_control/{id}-v0");
         let mut env = make(&id).unwrap();

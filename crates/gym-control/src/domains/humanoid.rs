@@ -21,15 +21,12 @@ use gym_core::Result;
 use mujoco_engine::lanes::Derived;
 use mujoco_engine::{Data, Model};
 
-use super::axis::{ZX, ZZ};
-use super::{check, config, minus, norm, times};
+use super::axis::ZZ;
+use super::figure::Figure;
+use super::{check, config};
 use crate::domain::{STANDING, clip};
-use crate::rewards::{Sigmoid, Tolerance, mean, small_control};
 use crate::{Domain, register};
 use gym_sim::{Observation, SimTask, Simulation, Start};
-
-const UPRIGHT: Tolerance = Tolerance::above(0.9).margin(1.9, Sigmoid::Linear(0.0));
-const STILL: Tolerance = Tolerance::within(0.0, 0.0).margin(2.0, Sigmoid::Gaussian);
 
 config! { 25.0;
     /// The speed that is rewarded by 1; 0 for standing still.
@@ -45,12 +42,7 @@ config! { 25.0;
 /// The domain.
 #[derive(Clone, Debug)]
 pub struct Humanoid {
-    torso: usize,
-    head: usize,
-    limbs: [usize; 4],
-    standing: Tolerance,
-    /// The rewarded speed; `None` to stand.
-    going: Option<Tolerance>,
+    figure: Figure,
     pure_state: bool,
 }
 
@@ -68,19 +60,10 @@ impl Domain for Humanoid {
     fn new(config: &Config, s: &Simulation) -> Result<Self> {
         check("speed", config.speed, 0.0, 1000.0)?;
         check("stand_height", config.stand_height, 0.01, 10.0)?;
-        let (speed, height) = (config.speed, config.stand_height);
-        let going = Tolerance::above(speed).margin(speed, Sigmoid::Linear(0.0));
+        let limbs = ["left_hand", "left_foot", "right_hand", "right_foot"];
+        let figure = Figure::new(s, "torso", limbs, ZZ)?;
         Ok(Self {
-            torso: s.body("torso")?,
-            head: s.body("head")?,
-            limbs: [
-                s.body("left_hand")?,
-                s.body("left_foot")?,
-                s.body("right_hand")?,
-                s.body("right_foot")?,
-            ],
-            standing: Tolerance::above(height).margin(height / 4.0, Sigmoid::Gaussian),
-            going: (speed != 0.0).then_some(going),
+            figure: figure.rewarded(config.speed, config.stand_height),
             pure_state: config.pure_state,
         })
     }
@@ -99,27 +82,13 @@ impl SimTask for Humanoid {
         if self.pure_state {
             out.vector("position", d.qpos.iter().copied());
         } else {
-            let (pos, mat) = (d.xpos[self.torso], &d.xmat[self.torso]);
-            out.vector("joint_angles", d.qpos[7..].iter().copied());
-            out.scalar("head_height", d.xpos[self.head][2]);
-            let limbs = self.limbs.map(|limb| times(minus(d.xpos[limb], pos), mat));
-            out.vector("extremities", limbs.into_iter().flatten());
-            out.vector("torso_vertical", mat[ZX..].iter().copied());
-            out.vector("com_velocity", d.sensordata[..3].iter().copied());
+            self.figure.observe(d, out);
         }
         out.vector("velocity", d.qvel.iter().copied());
     }
 
     fn reward(&self, _: &Model, d: &Data) -> f64 {
-        let standing = self.standing.of(d.xpos[self.head][2]);
-        let stand = standing * UPRIGHT.of(d.xmat[self.torso][ZZ]);
-        let small_control = (4.0 + small_control(&d.ctrl)) / 5.0;
-        let velocity = [d.sensordata[0], d.sensordata[1]];
-        let well = match &self.going {
-            None => mean(&velocity, |v| STILL.of_element(*v)),
-            Some(going) => (5.0 * going.of(norm(velocity)) + 1.0) / 6.0,
-        };
-        small_control * stand * well
+        self.figure.reward(d)
     }
 }
 

@@ -6,20 +6,24 @@ pub mod acrobot;
 pub mod ball_in_cup;
 pub mod cartpole;
 pub mod cheetah;
+pub mod dog;
 pub mod finger;
 pub mod fish;
 pub mod hopper;
 pub mod humanoid;
+pub mod humanoid_cmu;
 pub mod lqr;
 pub mod manipulator;
 pub mod pendulum;
 pub mod point_mass;
+pub mod quadruped;
 pub mod reacher;
 pub mod stacker;
 pub mod swimmer;
 pub mod walker;
 
 mod arm;
+mod figure;
 
 use gym_core::{Error, Result};
 
@@ -45,6 +49,7 @@ mod axis {
     pub(super) const XX: usize = 0;
     pub(super) const XZ: usize = 2;
     pub(super) const ZX: usize = 6;
+    pub(super) const ZY: usize = 7;
     pub(super) const ZZ: usize = 8;
 }
 

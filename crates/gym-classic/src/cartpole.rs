@@ -473,6 +473,7 @@ const fn cartpole(id: &'static str) -> Registration {
     Registration::new::<CartPole>(id)
         .description("Balance a pole on a cart.")
         .reset_options(&[("low", "-0.025"), ("high", "0.025")])
+        .exceptions(reset::EXCEPTIONS)
         .vector_entry_point(gym_native::entry_point::<CartPoleDynamics>)
         .light_step()
         .actions(Action::VARIANTS)

@@ -419,6 +419,7 @@ gym_core::register!(
         .max_episode_steps(200)
         .reward_threshold(-110.0)
         .reset_options(&[("low", "-0.55"), ("high", "-0.45")])
+        .exceptions(reset::EXCEPTIONS)
         .vector_entry_point(gym_native::entry_point::<MountainCarDynamics>)
         .light_step()
         .actions(Action::VARIANTS)

@@ -370,6 +370,7 @@ gym_core::register!(
         .max_episode_steps(999)
         .reward_threshold(90.0)
         .reset_options(&[("low", "-0.55"), ("high", "-0.45")])
+        .exceptions(reset::EXCEPTIONS)
         .vector_entry_point(gym_native::entry_point::<MountainCarContinuousDynamics>)
         .light_step()
         .keys(|_| Keys::new(json!({"Left": [-1], "Right": [1]})).idle(json!([0])))

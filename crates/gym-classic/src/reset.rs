@@ -1,11 +1,18 @@
 //! Reset options that the environments share.
 
+use gym_core::registry::Exceptions;
 use gym_core::{Error, Reset, Result};
 use serde::{Deserialize, Deserializer};
 
 /// The largest magnitude of a number of a state: far beyond any episode, and small enough that no
 /// equation overflows in one step.
 const LIMIT: f64 = 1e6;
+
+/// The conformance exceptions of environments whose options bound the start.
+pub(crate) const EXCEPTIONS: Exceptions = &[(
+    "options-in-space",
+    "bounds of the start may lie beyond an episode, as in Gymnasium",
+)];
 
 /// Whether a deserialized state is possible in a task with the default constants. With other
 /// constants, such as a mass of 0, a state may be infinite or NaN.

@@ -4,8 +4,9 @@ use crate::finding::Severity;
 use crate::subject::Subject;
 use crate::verdict::{Verdict, broken, skipped};
 use crate::{
-    actions, allocations, arguments, clock, close, copies, drawing, episodes, goals, info, looking,
-    observations, options, panics, pictures, registered, seeding, shown, spaces, threads, vectors,
+    actions, allocations, arguments, clock, close, copies, drawing, episodes, goals, info,
+    inspected, looking, observations, options, panics, pictures, registered, seeding, shown,
+    spaces, threads, vectors,
 };
 
 /// A rule, and the function that checks it.
@@ -183,6 +184,13 @@ pub const CHECKS: &[Check] = &[
         "give a step the reward and the flags of the goals that it observes: those of `Goals`",
     ),
     error(
+        "registration-sound",
+        registered::sound,
+        &EPISODES,
+        "pages, plots and demos use what a registration says",
+        "give a finite threshold, a name per action, and a policy whose actions lie in the space",
+    ),
+    error(
         "info-consistent",
         info::consistent,
         &EPISODES,
@@ -237,6 +245,13 @@ pub const CHECKS: &[Check] = &[
         &EPISODES,
         "users copy the options that a registration names",
         "name the options of `.reset_options(...)` as `reset` reads them, each with an accepted example",
+    ),
+    warning(
+        "options-in-space",
+        options::in_space,
+        &["options-accepted", "observation-in-space"],
+        "an option must not lead the observations out of their space",
+        "refuse values of the option from which an episode cannot start",
     ),
     error(
         "reset-forgets",
@@ -403,6 +418,13 @@ pub const CHECKS: &[Check] = &[
         ],
         "planners, recorders and loggers look at an environment after `reset`, `restore` and `clone`",
         "compute info, text and drawing from the state that `reset` sets and `snapshot` stores",
+    ),
+    error(
+        "inspect-checked",
+        inspected::checked,
+        &["resets", "observation-in-space", "reward-finite"],
+        "programs change the state and the arguments by name, and a mistake must be an error",
+        "check the value in `set_state` and `set_argument` before anything changes, and then show it",
     ),
     error(
         "render-modes",

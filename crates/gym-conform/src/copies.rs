@@ -357,6 +357,7 @@ pub(crate) fn snapshot_refused(subject: &Subject<'_>) -> Verdict {
         }
     }
     subject.damaged()?.changed()?;
+    subject.damaged()?.filled()?;
     of_other_arguments(subject)?;
     let what = "after refused snapshots an episode";
     same(

@@ -138,6 +138,41 @@ pub(crate) fn moves(good: &Json) -> Vec<Damage> {
     damages_by(good, representatives(good, paths(good)), others)
 }
 
+/// Returns replacements of numbers by numbers beyond any episode.
+pub(crate) fn far(good: &Json) -> Vec<Damage> {
+    let others = |part: &Json, _| match part {
+        Json::Number(number) if number.is_f64() => vec![json!(1e300), json!(-1e300)],
+        Json::Number(_) => vec![json!(i64::MAX), json!(i64::MIN)],
+        _ => vec![],
+    };
+    damages_by(good, representatives(good, paths(good)), others)
+}
+
+/// Returns copies of the objects of a state of which each lacks a key.
+pub(crate) fn gaps(good: &Json) -> Vec<Damage> {
+    /// The most gaps that are tried.
+    const MOST: usize = 100;
+    let others = |part: &Json, _| match part {
+        Json::Object(map) => {
+            let without = |key: &String| {
+                let mut less = map.clone();
+                less.remove(key);
+                Json::Object(less)
+            };
+            map.keys().map(without).collect()
+        }
+        _ => vec![],
+    };
+    let mut gaps = damages_by(good, representatives(good, paths(good)), others);
+    let every = gaps.len().div_ceil(MOST).max(1);
+    let mut number = 0;
+    gaps.retain(|_| {
+        number += 1;
+        number % every == 0
+    });
+    gaps
+}
+
 /// Returns the replacements of a part: values of another type or of another size, and near values.
 fn others(part: &Json) -> Vec<Json> {
     let mut others = match part {
@@ -151,11 +186,15 @@ fn others(part: &Json) -> Vec<Json> {
                     .map(|x| json!(x))
                     .to_vec(),
             };
-            [
+            let mut others = [
                 near,
                 vec![json!(-1), json!(1000), json!(1e300), json!(u64::MAX)],
             ]
-            .concat()
+            .concat();
+            if number.is_f64() {
+                others.extend(["NaN", "inf", "-inf"].map(|text| json!({"$float": text})));
+            }
+            others
         }
         Json::Bool(is) => vec![json!(!is)],
         Json::Array(items) => {

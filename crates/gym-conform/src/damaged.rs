@@ -5,8 +5,9 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 
 use serde_json::Value as Json;
 
-use crate::damage::damages;
+use crate::damage::{damages, gaps};
 use crate::look::{glance, look};
+use crate::subject::{SEEDS, alike, roll_out};
 use crate::verdict::{Verdict, broken, message};
 use gym_core::{BoxEnv, Env, EnvExt, Result, Snapshot, Space, Step, Value};
 
@@ -15,6 +16,7 @@ use gym_core::{BoxEnv, Env, EnvExt, Result, Snapshot, Space, Step, Value};
 pub(crate) struct Damaged {
     changed: Option<String>,
     illegal: Option<String>,
+    filled: Option<String>,
     panicked: Option<String>,
 }
 
@@ -67,6 +69,15 @@ impl Damaged {
                 }
             }
         }
+        for gap in gaps(&good) {
+            let snapshot = gap.done_to(&mut stored, Snapshot::of)?;
+            let differs = catch_unwind(AssertUnwindSafe(|| goes_on_otherwise(env, &snapshot)));
+            // another check reports a panic
+            if differs.is_ok_and(|differs| differs.unwrap_or(false)) {
+                let without = || gap.difference(&good);
+                faults.filled.get_or_insert_with(without);
+            }
+        }
         Ok(faults)
     }
 
@@ -114,9 +125,42 @@ impl Damaged {
         self.illegal.as_ref().map_or(Ok(()), broken)
     }
 
+    pub(crate) fn filled(&self) -> Verdict {
+        self.filled.as_ref().map_or(Ok(()), |what| {
+            broken(format!(
+                "`restore` accepts {what}, where a key is missing, and goes on otherwise"
+            ))
+        })
+    }
+
     pub(crate) fn panicked(&self) -> Verdict {
         self.panicked.as_ref().map_or(Ok(()), broken)
     }
+}
+
+/// Returns whether a clone of `env`, in another state, accepts `snapshot` and then continues
+/// otherwise than `env`.
+fn goes_on_otherwise(env: &BoxEnv, snapshot: &Snapshot) -> Result<bool> {
+    const STEPS: usize = 5;
+    let (mut own, mut other) = (env.clone(), env.clone());
+    // what is missing must not be kept from before either
+    roll_out(&mut other, SEEDS[1], STEPS)?;
+    if other.restore(snapshot).is_err() {
+        return Ok(false);
+    }
+    let mut actions = own.action_sampler(0)?;
+    for _ in 0..STEPS {
+        let action = actions.sample();
+        let step = own.step(&action)?;
+        let again = other.step(&action);
+        if !again.is_ok_and(|again| alike(&step, &again)) {
+            return Ok(true);
+        }
+        if step.done() {
+            break;
+        }
+    }
+    Ok(false)
 }
 
 /// Returns the number of steps without a fault, at most `limit`.

@@ -146,7 +146,7 @@ pub(crate) fn render_modes(subject: &Subject<'_>) -> Verdict {
                 if (depth.width, depth.height) == metadata.render_size
                     && depth.metres.len() as u64
                         == u64::from(depth.width) * u64::from(depth.height) => {}
-            Ok(Rendered::Text(text)) if !text.is_empty() => (),
+            Ok(Rendered::Text(text)) if !text.trim().is_empty() => written(subject)?,
             Ok(other) => return broken(format!("the mode {mode} gives {other:?}")),
             Err(error) => return broken(format!("the mode {mode}: {error}")),
         }
@@ -155,6 +155,17 @@ pub(crate) fn render_modes(subject: &Subject<'_>) -> Verdict {
         return skipped("no crate that draws is linked: add gym-render and `use gym_render as _;`");
     }
     Ok(())
+}
+
+/// Checks that each state has a text, the last of an episode too.
+fn written(subject: &Subject<'_>) -> Verdict {
+    tour(&mut subject.make()?, SEEDS[0], STEPS, |env, step| match env
+        .ansi()
+        .filter(|text| !text.trim().is_empty())
+    {
+        Some(_) => Ok(()),
+        None => broken(format!("seed {}, step {step}: there is no text", SEEDS[0])),
+    })
 }
 
 fn is_drawn(env: &BoxEnv) -> bool {

@@ -3,7 +3,8 @@
 use gym_core::spaces::BoxSpace;
 use gym_core::{Array, DType, Data, Space, Value};
 
-/// Returns the first and last elements of a space of numbers; for a box, also two mixed corners.
+/// Returns the first and last elements of a space of numbers; for a box, also two mixed corners, its
+/// middle and zeros.
 pub(crate) fn corners(space: &Space) -> Vec<Value> {
     const FIRST: i64 = 8;
     match space {
@@ -14,8 +15,20 @@ pub(crate) fn corners(space: &Space) -> Vec<Value> {
                 .map(Value::Int)
                 .collect()
         }
-        Space::Box(space) if space.is_bounded() => {
-            (0..4).filter_map(|which| corner(space, which)).collect()
+        Space::Box(numbers) => {
+            let mut corners = match numbers.is_bounded() {
+                true => (0..4).filter_map(|which| corner(numbers, which)).collect(),
+                false => Vec::new(),
+            };
+            // the middle, and zeros
+            let mut within: Vec<_> = middle(numbers).into_iter().collect();
+            within.extend(uniform(space, 0.0));
+            within.retain(|action| space.contains(action) && !corners.contains(action));
+            within.dedup();
+            // the corners stay first and last
+            let place = corners.len().min(1);
+            corners.splice(place..place, within);
+            corners
         }
         Space::MultiDiscrete(space) => {
             let last = space
@@ -87,6 +100,18 @@ fn corner(space: &BoxSpace, which: usize) -> Option<Value> {
         .enumerate();
     let corner = bounds.map(|(i, (low, high))| if is_high(i) { high } else { low });
     Array::new(space.shape(), Data::from_f64(space.dtype(), corner))
+        .ok()
+        .map(Value::Array)
+}
+
+/// Returns the middle of a bounded box.
+fn middle(space: &BoxSpace) -> Option<Value> {
+    if !space.is_bounded() {
+        return None;
+    }
+    let bounds = space.low().iter_f64().zip(space.high().iter_f64());
+    let middle = bounds.map(|(low, high)| 0.5 * low + 0.5 * high);
+    Array::new(space.shape(), Data::from_f64(space.dtype(), middle))
         .ok()
         .map(Value::Array)
 }

@@ -31,6 +31,8 @@
 //!   `TimeLimit`, so not in a stack that has none;
 //! - a seed that is cut in a way that neither the compared pairs nor some hundreds of random seeds
 //!   show;
+//! - an argument that was set without effect: others may follow from it only when the environment is
+//!   made;
 //! - a fault that needs two arguments other than the default, an argument that is a text or a list,
 //!   or a value other than the one that is tried; an observation that leaves its space with another
 //!   float, as unusual physical constants may rightly cause;
@@ -71,6 +73,7 @@ mod finding;
 mod goals;
 mod info;
 mod inputs;
+mod inspected;
 mod long;
 mod look;
 mod looking;

@@ -92,6 +92,64 @@ pub(crate) fn accepted(subject: &Subject<'_>) -> Verdict {
     Ok(())
 }
 
+/// Checks that an episode with another value of a named option, which `reset` accepts, is observed
+/// within the space.
+pub(crate) fn in_space(subject: &Subject<'_>) -> Verdict {
+    const STEPS: usize = 8;
+    for (name, example) in examples(subject)? {
+        let mut values = others(&example);
+        values.extend(far(&example));
+        for value in values {
+            let mut env = subject.make()?;
+            let space = env.observation_space();
+            let reset = Reset::seed(SEEDS[0]).option(name, value.clone());
+            let Ok(observation) = env.reset(reset) else {
+                continue;
+            };
+            let mut seen = vec![observation];
+            let mut actions = env.action_sampler(0)?;
+            for _ in 0..STEPS {
+                match env.step(&actions.sample()) {
+                    Ok(step) if !step.done() => seen.push(step.observation),
+                    _ => break,
+                }
+            }
+            if let Some(error) = seen.iter().find_map(|seen| space.check(seen).err()) {
+                return broken(format!("after a reset with {name}={value}: {error}"));
+            }
+        }
+    }
+    Ok(())
+}
+
+/// Returns the option with numbers ten times as far from 0, and with 10 and -10 for each number.
+fn far(example: &Json) -> Vec<Json> {
+    let scaled = |by: &dyn Fn(f64) -> f64| map_numbers(example, by);
+    let far = [
+        scaled(&|x| 10.0 * x),
+        scaled(&|x| -10.0 * x),
+        scaled(&|_| 10.0),
+        scaled(&|_| -10.0),
+    ];
+    far.into_iter().filter(|far| far != example).collect()
+}
+
+/// Returns `json` with each number replaced. (Integers stay integers.)
+fn map_numbers(json: &Json, by: &dyn Fn(f64) -> f64) -> Json {
+    match json {
+        Json::Number(number) if number.is_f64() => json!(by(number.as_f64().unwrap_or_default())),
+        Json::Number(number) => json!(by(number.as_f64().unwrap_or_default()) as i64),
+        Json::Array(items) => items.iter().map(|item| map_numbers(item, by)).collect(),
+        Json::Object(map) => {
+            let mapped = map
+                .iter()
+                .map(|(key, part)| (key.clone(), map_numbers(part, by)));
+            Json::Object(mapped.collect())
+        }
+        other => other.clone(),
+    }
+}
+
 /// Checks that each named option has an effect, alone or with an argument.
 pub(crate) fn matter(subject: &Subject<'_>) -> Verdict {
     let examples = examples(subject)?;

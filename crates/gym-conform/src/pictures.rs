@@ -65,6 +65,11 @@ fn each_frame(
             }
             let next = env.step(&actions.sample())?;
             observation = if next.done() {
+                let place = format!("seed {seed}, after the end in step {step}");
+                let last = self::frame(&mut env)?;
+                if visit(&last, &next.observation, &place)?.is_break() {
+                    return Ok(ControlFlow::Break(()));
+                }
                 env.reset(())?
             } else {
                 next.observation

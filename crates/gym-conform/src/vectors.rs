@@ -6,7 +6,7 @@ use std::fmt::Debug;
 use gym_core::registry::Each;
 use gym_core::vector::VectorSpec;
 use gym_core::vector::{Autoreset, Columns, Seeds, VectorEnvExt, VectorKind, VectorReset};
-use gym_core::{EnvSpec, Info, Result, Value, VectorEnv};
+use gym_core::{Array, Data, EnvSpec, Info, Result, Snapshot, Space, Value, VectorEnv};
 
 use crate::arguments::others;
 use crate::options::examples;
@@ -198,7 +198,9 @@ impl<'a> Pair<'a> {
         self.both("a step with no actions", |envs, columns| {
             envs.step_into(&Value::Null, columns)
         })?;
+        self.malformed()?;
         self.steps(3)?;
+        self.refused()?;
         // reset every third sub-environment; some of them have a seed
         let mask: Vec<_> = (0..envs).map(|i| i % 3 == 1).collect();
         let seeds = (0..envs).map(|i| (i % 2 == 0).then(|| (50 + i as u64).into()));
@@ -220,12 +222,15 @@ impl<'a> Pair<'a> {
         // start again with empty columns
         (self.seen, self.expected) = (Columns::default(), Columns::default());
         self.steps(steps / 2)?;
-        self.own.close();
-        self.sync.close();
+        for _ in 0..2 {
+            self.own.close();
+            self.sync.close();
+        }
         let action = self.actions.sample();
         self.both("a step after `close`", |envs, columns| {
             envs.step_into(&action, columns)
-        })
+        })?;
+        self.reset(&VectorReset::from(SEED))
     }
 
     fn reset(&mut self, reset: &VectorReset) -> Verdict {
@@ -244,10 +249,76 @@ impl<'a> Pair<'a> {
                 .zip(&self.expected.truncated);
             let ended: Vec<bool> = ended.map(|(a, b)| *a || *b).collect();
             if self.spec.autoreset_mode == Autoreset::Disabled && ended.contains(&true) {
+                let actions = self.actions.sample();
+                self.both("a step after an end", |envs, columns| {
+                    envs.step_into(&actions, columns)
+                })?;
                 self.reset(&VectorReset::default().mask(ended))?;
             }
         }
         Ok(())
+    }
+
+    /// Takes a step in which the last sub-environment has an action outside of its space, or NaN. If
+    /// both vectors refuse it, either no sub-environment of the vector has stepped, or all others
+    /// have, as in a sync vector.
+    fn refused(&mut self) -> Verdict {
+        let beyond = match self.sync.single_action_space() {
+            Space::Discrete(space) => space.last() as f64 + 1.0,
+            Space::MultiDiscrete(_) | Space::MultiBinary(_) => 100.0,
+            Space::Box(_) => f64::NAN,
+            _ => return Ok(()),
+        };
+        let Value::Array(valid) = self.actions.sample() else {
+            return Ok(());
+        };
+        let mut numbers: Vec<f64> = valid.iter_f64().collect();
+        if let Some(last) = numbers.last_mut() {
+            *last = beyond;
+        }
+        let data = Data::from_f64(valid.dtype(), numbers);
+        let wrong = Value::Array(Array::new(valid.shape(), data)?);
+        // (a vector may have no snapshots)
+        let (Ok(own), Ok(sync)) = (self.own.snapshot(), self.sync.snapshot()) else {
+            return Ok(());
+        };
+        self.both(
+            "a step with an action outside of the space",
+            |envs, columns| envs.step_into(&wrong, columns),
+        )?;
+        if self.own.snapshot()? == own {
+            self.sync.restore(&sync)?;
+        }
+        self.steps(3)
+    }
+
+    /// Makes calls for another number of sub-environments, which must change nothing.
+    fn malformed(&mut self) -> Verdict {
+        let more = self.size.envs + 1;
+        let mut spec = self.spec.clone();
+        spec.num_envs = more;
+        if let Ok(other) = kind(&spec, VectorKind::Sync) {
+            let actions = other.action_sampler(SEED)?.sample();
+            self.both("a step with an action too many", |envs, columns| {
+                envs.step_into(&actions, columns)
+            })?;
+        }
+        let seeds = VectorReset::seeds(0..more as u64);
+        let masks = [
+            vec![true; more],
+            vec![false; more - 1],
+            vec![true; more - 2],
+        ];
+        let masks = masks.map(|mask| VectorReset::default().mask(mask));
+        for reset in [seeds].iter().chain(&masks) {
+            self.both(&format!("the reset {reset:?}"), |envs, columns| {
+                envs.reset_into(reset, columns)
+            })?;
+        }
+        self.both("restoring what is no snapshot", |envs, _| {
+            envs.restore(&Snapshot::of(&"no such vector")?)
+        })?;
+        self.steps(2)
     }
 
     /// Replaces the vector by a new one that is restored from its snapshot.

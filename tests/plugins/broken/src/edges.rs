@@ -393,6 +393,9 @@ twists! {
 
         fn restore(env: &mut Of<Self>, snapshot: &Snapshot) -> Result<()> {
             let (walk, arguments) = snapshot.get::<(Json, Number)>()?;
+            if !arguments.number.is_finite() {
+                return Err(Error::Snapshot("its number is not finite".into()));
+            }
             env.walk.restore(&Snapshot::of(&walk)?)?;
             env.arguments = arguments;
             Ok(())

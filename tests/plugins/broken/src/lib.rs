@@ -5,10 +5,12 @@
 //! All are the same [`Walk`] with one [`Fault`] or one twist. `broken/none-v0` has none.
 
 mod arguments;
+mod beyond;
 mod edges;
 mod faces;
 mod fault;
 mod pairs;
+mod reach;
 mod twisted;
 mod twists;
 mod variants;

@@ -127,9 +127,32 @@ pub(crate) trait Twist: Sized + 'static {
         env.walk.generator()
     }
 
+    /// Whether the walk can be inspected.
+    const INSPECTED: bool = false;
+
     /// Like [`Env::inspect`].
-    fn inspect(_: &Twisted<Self>) -> Option<&dyn Inspect> {
+    fn inspect(env: &Twisted<Self>) -> Option<&dyn Inspect> {
+        Self::INSPECTED.then_some(env as &dyn Inspect)
+    }
+
+    /// Like [`Inspect::state`].
+    fn state(_: &Twisted<Self>) -> Option<Json> {
         None
+    }
+
+    /// Like [`Inspect::set_state`].
+    fn set_state(_: &mut Twisted<Self>, _: Json) -> Result<()> {
+        Err(Error::custom("its state is fixed"))
+    }
+
+    /// Like [`Inspect::arguments`].
+    fn arguments(env: &Twisted<Self>) -> Json {
+        env.own_arguments()
+    }
+
+    /// Like [`Inspect::set_argument`].
+    fn set_argument(_: &mut Twisted<Self>, _: &str, _: Json) -> Result<()> {
+        Err(Error::custom("its arguments are fixed"))
     }
 
     /// Like [`Env::close`].
@@ -162,7 +185,7 @@ impl<T: Twist> Twisted<T> {
     }
 
     /// Returns the arguments as JSON; null or `{}` if the twist has none.
-    fn own_arguments(&self) -> Json {
+    pub(crate) fn own_arguments(&self) -> Json {
         serde_json::to_value(&self.arguments).unwrap_or_default()
     }
 
@@ -307,7 +330,29 @@ impl<T: Twist> Env for Twisted<T> {
         T::inspect(self)
     }
 
+    fn inspect_mut(&mut self) -> Option<&mut dyn Inspect> {
+        T::INSPECTED.then_some(self)
+    }
+
     fn close(&mut self) {
         T::close(self);
+    }
+}
+
+impl<T: Twist> Inspect for Twisted<T> {
+    fn state(&self) -> Option<Json> {
+        T::state(self)
+    }
+
+    fn set_state(&mut self, state: Json) -> Result<()> {
+        T::set_state(self, state)
+    }
+
+    fn arguments(&self) -> Json {
+        T::arguments(self)
+    }
+
+    fn set_argument(&mut self, name: &str, value: Json) -> Result<()> {
+        T::set_argument(self, name, value)
     }
 }

@@ -1,7 +1,7 @@
 //! Vectors with a fault each, around a sync vector: a registration names them as its native vector.
 
-use gym_core::vector::{Autoreset, Columns, Progress, VectorKind, VectorReset, VectorSpec};
-use gym_core::{Registration, Result, Snapshot, Value, VectorEnv, VectorWrapper};
+use gym_core::vector::{Autoreset, Columns, Progress, Seeds, VectorKind, VectorReset, VectorSpec};
+use gym_core::{Error, Registration, Result, Snapshot, Value, VectorEnv, VectorWrapper};
 
 use crate::twisted::Twisted;
 
@@ -31,9 +31,21 @@ enum Fault {
     Close,
     /// Every sub-environment after the eighth steps twice.
     Remainder,
+    /// With autoreset disabled, a step after an end resets all sub-environments.
+    BeyondTheEnd,
+    /// A step with an action that is refused resets the first sub-environment.
+    Refusal,
+    /// Masks, seeds and actions of another number are accepted.
+    OtherMask,
+    OtherSeeds,
+    OtherActions,
+    /// `restore` accepts anything.
+    AnySnapshot,
+    /// After `close` an episode can begin.
+    Reopens,
 }
 
-const FAULTS: [Fault; 12] = [
+const FAULTS: [Fault; 19] = [
     Fault::None,
     Fault::Final,
     Fault::Mask,
@@ -46,11 +58,22 @@ const FAULTS: [Fault; 12] = [
     Fault::Each,
     Fault::Close,
     Fault::Remainder,
+    Fault::BeyondTheEnd,
+    Fault::Refusal,
+    Fault::OtherMask,
+    Fault::OtherSeeds,
+    Fault::OtherActions,
+    Fault::AnySnapshot,
+    Fault::Reopens,
 ];
 
 struct Vector {
     envs: Box<dyn VectorEnv>,
     fault: Fault,
+    /// Whether an episode has begun, and whether one has ended in the last step.
+    is_begun: bool,
+    has_ended: bool,
+    is_closed: bool,
 }
 
 /// Makes a sync vector with the fault `F`.
@@ -67,6 +90,9 @@ fn vector<const F: usize>(spec: &VectorSpec) -> Result<Box<dyn VectorEnv>> {
     Ok(Box::new(Vector {
         envs: sync.make()?,
         fault,
+        is_begun: false,
+        has_ended: false,
+        is_closed: false,
     }))
 }
 
@@ -84,6 +110,15 @@ impl VectorWrapper for Vector {
         match self.fault {
             Fault::Mask => reset.mask = None,
             Fault::Options => reset.options.clear(),
+            Fault::OtherMask => {
+                let mask = reset.mask.take();
+                reset.mask = mask.filter(|mask| mask.len() == self.envs.num_envs());
+            }
+            Fault::OtherSeeds => {
+                if let Seeds::Each(seeds) = &mut reset.seeds {
+                    seeds.truncate(self.envs.num_envs());
+                }
+            }
             Fault::Seeds => {
                 let first = reset.of(0).and_then(|reset| reset.seed);
                 if let Some(seed) = first {
@@ -95,11 +130,39 @@ impl VectorWrapper for Vector {
             }
             _ => {}
         }
+        (self.is_begun, self.has_ended) = (true, false);
         self.envs.reset_into(&reset, columns)
     }
 
     fn on_step(&mut self, actions: &Value, columns: &mut Columns) -> Result<()> {
-        self.envs.step_into(actions, columns)?;
+        if self.is_closed {
+            return Err(Error::Closed("step"));
+        }
+        let first = match actions {
+            Value::Array(array) if self.fault == Fault::OtherActions => {
+                let n = self.envs.num_envs();
+                let numbers: Vec<i64> = array.iter_f64().map(|x| x as i64).collect();
+                (numbers.len() > n).then(|| Value::from(numbers[..n].to_vec()))
+            }
+            _ => None,
+        };
+        let actions = first.as_ref().unwrap_or(actions);
+        let stepped = self.envs.step_into(actions, columns);
+        if stepped.is_err() && self.is_begun && *actions != Value::Null {
+            let all = VectorReset::default();
+            if self.fault == Fault::BeyondTheEnd && self.has_ended {
+                self.has_ended = false;
+                return self.envs.reset_into(&all, columns);
+            }
+            if self.fault == Fault::Refusal && !self.has_ended {
+                let mask: Vec<_> = (0..self.envs.num_envs()).map(|i| i == 0).collect();
+                self.envs.reset_into(&all.mask(mask), columns)?;
+            }
+        }
+        stepped?;
+        let mut ended = columns.terminated.iter().zip(&columns.truncated);
+        self.has_ended =
+            ended.any(|(a, b)| *a || *b) && self.envs.autoreset() == Autoreset::Disabled;
         match self.fault {
             Fault::Final if self.envs.autoreset() == Autoreset::SameStep => {
                 columns.final_observations = columns.observations.clone();
@@ -136,7 +199,11 @@ impl VectorWrapper for Vector {
     }
 
     fn on_restore(&mut self, snapshot: &Snapshot) -> Result<()> {
-        self.envs.restore(snapshot)?;
+        let restored = self.envs.restore(snapshot);
+        if self.fault == Fault::AnySnapshot {
+            return Ok(());
+        }
+        restored?;
         if self.fault == Fault::Snapshot {
             self.envs.reset_into(&1.into(), &mut Columns::default())?;
         }
@@ -144,8 +211,10 @@ impl VectorWrapper for Vector {
     }
 
     fn on_close(&mut self) {
-        if self.fault != Fault::Close {
-            self.envs.close();
+        match self.fault {
+            Fault::Close => {}
+            Fault::Reopens => self.is_closed = true,
+            _ => self.envs.close(),
         }
     }
 }
@@ -177,4 +246,11 @@ register! {
     "vector-equal.each" = 9;
     "vector-equal.close" = 10;
     "vector-equal.remainder" = 11;
+    "vector-equal.beyond-the-end" = 12;
+    "vector-equal.refusal" = 13;
+    "vector-equal.other-mask" = 14;
+    "vector-equal.other-seeds" = 15;
+    "vector-equal.other-actions" = 16;
+    "vector-equal.any-snapshot" = 17;
+    "vector-equal.reopens" = 18;
 }

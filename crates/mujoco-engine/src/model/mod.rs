@@ -20,6 +20,7 @@ mod paths;
 mod plan;
 mod revision;
 mod sensors;
+mod serial;
 mod shared;
 mod softness;
 mod textures;
@@ -56,7 +57,7 @@ pub(crate) use types::{MAX_ITERATIONS, most_iterations, padded};
 /// absent are `-1`, as in MuJoCo. Lengths are metres, masses kilograms, angles radians, times
 /// seconds. Quaternions are `w, x, y, z`.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[serde(default)]
+#[serde(default, remote = "Self")]
 pub struct CompiledModel {
     /// The model's name; empty if it has none.
     pub model: String,

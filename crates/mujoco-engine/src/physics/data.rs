@@ -5,6 +5,7 @@ mod check;
 mod keyframe;
 
 use gym_numerics::exact::Exact;
+use serde::de::Error as _;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
 use crate::math::spatial::IDENTITY;
@@ -223,21 +224,35 @@ struct Stored {
 
 impl Serialize for Data {
     fn serialize<S: Serializer>(&self, serializer: S) -> std::result::Result<S::Ok, S::Error> {
-        let state = self.state();
-        let before = (self.last.is_some() && self.before != state).then(|| self.before.clone());
-        Exact(Stored {
-            last: self.last,
-            contact_forces: self.contact_forces,
-            state,
-            before,
-            userdata: self.userdata.clone(),
-        })
-        .serialize(serializer)
+        self.stored().serialize(serializer)
     }
 }
 
 impl<'de> Deserialize<'de> for Data {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> std::result::Result<Self, D::Error> {
+        Self::read(&mut <dyn erased_serde::Deserializer<'_>>::erase(
+            deserializer,
+        ))
+        .map_err(D::Error::custom)
+    }
+}
+
+/// The serialised form, with the format behind a pointer: otherwise each crate that stores data
+/// would compile it again.
+impl Data {
+    fn stored(&self) -> Box<dyn erased_serde::Serialize> {
+        let state = self.state();
+        let before = (self.last.is_some() && self.before != state).then(|| self.before.clone());
+        Box::new(Exact(Stored {
+            last: self.last,
+            contact_forces: self.contact_forces,
+            state,
+            before,
+            userdata: self.userdata.clone(),
+        }))
+    }
+
+    fn read(deserializer: &mut dyn erased_serde::Deserializer<'_>) -> erased_serde::Result<Self> {
         let Exact(Stored {
             last,
             contact_forces,

@@ -6,6 +6,8 @@ use gym::{
     make_vec, registry,
 };
 
+use super::sample::one_per_module;
+
 /// Returns the number of allocations in `steps` steps with one observation buffer. Resets at the
 /// ends of episodes are not counted.
 fn allocations<E: Env>(env: &mut E, steps: usize) -> u64 {
@@ -43,7 +45,7 @@ fn the_counter_counts() {
 fn erased_steps_do_not_allocate() {
     // rapier2d allocates in its own step
     let allocates = |id: &str| id.starts_with("rapier/");
-    for registration in registry::self_contained()
+    for registration in one_per_module()
         .iter()
         .filter(|registration| !allocates(registration.id()))
     {

@@ -5,17 +5,10 @@ use std::collections::BTreeMap;
 use std::process::Command;
 
 use gym::vector::VectorEnvExt;
-use gym::{EnvExt, Result, make, make_vec, registry};
+use gym::{EnvExt, Result, make, make_vec};
 use gym_testing::Digest;
 
-/// Returns one id of each module that registers environments: the last.
-fn ids() -> Vec<String> {
-    let all = registry::self_contained().into_iter();
-    let of_modules: BTreeMap<_, _> = all
-        .map(|one| (one.source.module, one.id().to_owned()))
-        .collect();
-    of_modules.into_values().collect()
-}
+use super::sample::one_per_module;
 
 /// Plays an environment alone, and nine together.
 fn play(id: &str) -> Result<String> {
@@ -44,8 +37,9 @@ fn play(id: &str) -> Result<String> {
 #[test]
 #[ignore = "run by results_are_equal_on_every_level, once for each level"]
 fn on_this_level() {
-    for id in ids() {
-        println!("{id} {}", play(&id).expect("no error"));
+    for registration in one_per_module() {
+        let id = registration.id();
+        println!("{id} {}", play(id).expect("no error"));
     }
 }
 

@@ -18,6 +18,7 @@ mod places;
 mod properties;
 mod restored;
 mod rooms;
+mod sample;
 mod sizes;
 mod sources;
 mod stack;

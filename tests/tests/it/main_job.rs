@@ -1,12 +1,14 @@
-//! The notebook's task for every linked environment: make, reset, step until the episode ends,
+//! The notebook's task for an environment of each module: make, reset, step until the episode ends,
 //! render.
 
 use gym::render::{RenderMode, Rendered};
-use gym::{Env, EnvExt, registry};
+use gym::{Env, EnvExt};
+
+use super::sample::one_per_module;
 
 #[test]
-fn every_environment_is_played_and_seen() {
-    for registration in registry::self_contained() {
+fn environments_are_played_and_seen() {
+    for registration in one_per_module() {
         let id = registration.id();
         let mut env = gym::builder(id)
             .render_mode(RenderMode::RgbArrayList)
@@ -75,7 +77,7 @@ fn texts_are_gathered() {
 
 #[test]
 fn drawing_changes_nothing() {
-    for registration in registry::self_contained() {
+    for registration in one_per_module() {
         let mut env = gym::builder(registration.id())
             .render_mode(RenderMode::RgbArray)
             .build()

@@ -1,11 +1,13 @@
 //! What `restore` accepts: no number that is not finite, and of other ids only what continues as
 //! the original.
 
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeMap;
 
-use gym::registry::{self, Registration};
+use gym::registry;
 use gym::{BoxEnv, Env, EnvExt, Snapshot};
 use serde_json::{Value as Json, json};
+
+use super::sample::one_per_module;
 
 /// The environment some steps into an episode, where bodies touch each other.
 fn played(id: &str) -> BoxEnv {
@@ -41,14 +43,6 @@ fn floats(json: &Json, pointer: &str, found: &mut Vec<String>) {
         }
         _ => {}
     }
-}
-
-/// One registration per module.
-fn one_per_module() -> Vec<Registration> {
-    let mut modules = BTreeSet::new();
-    let mut all = registry::self_contained();
-    all.retain(|registration| modules.insert(registration.source.module));
-    all
 }
 
 #[test]

@@ -1,7 +1,9 @@
 //! Frames of other sizes than Gymnasium's are not drawn like pygame's, but look similar.
 
 use gym::render::{Frame, painter};
-use gym::{Env, EnvExt, Registration, registry};
+use gym::{Env, EnvExt, Registration};
+
+use super::sample::one_per_module;
 
 /// Returns the mean difference, in 255ths, between a frame and one of twice its size at `pixels`.
 fn difference(small: &Frame, large: &Frame, pixels: impl Iterator<Item = (usize, usize)>) -> f64 {
@@ -26,7 +28,7 @@ fn difference(small: &Frame, large: &Frame, pixels: impl Iterator<Item = (usize,
 fn pictures_of_other_sizes_are_alike_up_to_their_edges() {
     // a tile of gym-minigrid is made for one size, which the argument `tile_size` sets
     let is_scaled = |registration: &Registration| registration.source.package != "gym-minigrid";
-    for registration in registry::self_contained().into_iter().filter(is_scaled) {
+    for registration in one_per_module().into_iter().filter(is_scaled) {
         let id = registration.id();
         let mut env = gym::make(id).unwrap();
         let mut actions = env.action_sampler(0).unwrap();

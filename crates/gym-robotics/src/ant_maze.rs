@@ -25,7 +25,7 @@
 //! `maze.py` and `maze_v4.py`.
 
 use gym_core::registry::{Build, Clip, Exceptions};
-use gym_core::{Argument, Arguments, Error, Kwargs, Registration, Result};
+use gym_core::{Argument, Arguments, Kwargs, Registration, Result};
 use gym_mujoco::ant;
 use gym_sim::view::CameraConfig;
 use gym_sim::{Common, FromArguments, SimEnv, TaskArguments, register};
@@ -117,19 +117,12 @@ impl Build for AntMaze {
     }
 }
 
-/// The text of the ant's model: a built-in one, that of a file, or `xml_file` itself.
+/// The text of the ant's model: a built-in one, or what `xml_file` names.
 fn text(xml_file: &str) -> Result<String> {
-    if xml_file.starts_with('<') {
-        return Ok(xml_file.to_owned());
+    match gym_mujoco::models().find(|(name, _)| *name == xml_file) {
+        Some((_, text)) => Ok(text.to_owned()),
+        None => gym_sim::text(xml_file),
     }
-    if let Some((_, text)) = gym_mujoco::models().find(|(name, _)| *name == xml_file) {
-        return Ok(text.to_owned());
-    }
-    std::fs::read_to_string(xml_file).map_err(|error| {
-        let reason =
-            format!("{xml_file:?}: {error}: give the path of a model in MJCF, or its text");
-        Error::argument("xml_file", reason)
-    })
 }
 
 /// The registration that all ids share.

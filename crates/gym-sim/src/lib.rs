@@ -28,7 +28,7 @@ pub mod view;
 pub use arguments::{Common, TaskArguments};
 pub use entry::{Entry, Family, FromArguments, Own, register};
 pub use env::SimEnv;
-pub use load::load;
+pub use load::{load, text};
 pub use mujoco_engine as engine;
 pub use observation::Observation;
 pub use rng::Rng;

@@ -1,9 +1,13 @@
 //! Models from the argument `xml_file`.
 
+use std::path::PathBuf;
 use std::sync::Arc;
 
 use gym_core::{Error, Result};
 use mujoco_engine::{Model, Revision};
+
+/// The most bytes of a file that is read as text: what the engine takes.
+const MAX_LEN: usize = 8 << 20;
 
 /// Loads a model for a revision of the engine. `xml_file` is the path of a file, which begins with
 /// `.`, `/` or `~`, or the text of a model, which begins with `<`.
@@ -13,20 +17,39 @@ use mujoco_engine::{Model, Revision};
 pub fn load(xml_file: &str, revision: Revision) -> Result<Arc<Model>> {
     let model = if xml_file.starts_with('<') {
         Model::from_xml_with(xml_file, revision)
-    } else if xml_file.starts_with(['.', '/', '~']) {
-        let path = match (xml_file.strip_prefix("~/"), std::env::home_dir()) {
-            (Some(rest), Some(home)) => home.join(rest),
-            _ => xml_file.into(),
-        };
-        Model::from_path_with(path, revision)
     } else {
-        let reason = format!(
-            "{xml_file:?} is no model: a file's path begins with `.`, `/` or `~`, and a text with `<`"
-        );
-        return Err(Error::argument("xml_file", reason));
+        Model::from_path_with(path(xml_file)?, revision)
     };
     match model {
         Ok(model) => Ok(Arc::new(model)),
         Err(error) => Err(Error::argument("xml_file", error.to_string())),
     }
+}
+
+/// Returns the text of a model, to be changed before it is loaded: `xml_file` as in [`load`].
+///
+/// # Errors
+/// [`Error::InvalidArgument`] for a file that cannot be read.
+pub fn text(xml_file: &str) -> Result<String> {
+    if xml_file.starts_with('<') {
+        return Ok(xml_file.to_owned());
+    }
+    gym_core::file::read_text(&path(xml_file)?, MAX_LEN).map_err(|error| {
+        let reason =
+            format!("{xml_file:?}: {error}: give the path of a model in MJCF, or its text");
+        Error::argument("xml_file", reason)
+    })
+}
+
+fn path(xml_file: &str) -> Result<PathBuf> {
+    if !xml_file.starts_with(['.', '/', '~']) {
+        let reason = format!(
+            "{xml_file:?} is no model: a file's path begins with `.`, `/` or `~`, and a text with `<`"
+        );
+        return Err(Error::argument("xml_file", reason));
+    }
+    Ok(match (xml_file.strip_prefix("~/"), std::env::home_dir()) {
+        (Some(rest), Some(home)) => home.join(rest),
+        _ => xml_file.into(),
+    })
 }

@@ -255,3 +255,15 @@ fn a_goal_is_asked_for_through_wrappers() {
         .unwrap_err();
     assert!(error.to_string().contains("desired_goal"), "{error}");
 }
+
+#[test]
+fn an_ant_of_a_file_that_cannot_be_read_is_refused() {
+    let refused = |xml_file: &str| {
+        let made = builder("AntMaze_UMaze-v5").arg("xml_file", json!(xml_file));
+        made.build().unwrap_err().to_string()
+    };
+    assert!(refused("no_ant.xml").contains("a file's path begins with"));
+    assert!(refused("./no_ant.xml").contains("give the path of a model in MJCF"));
+    #[cfg(unix)]
+    assert!(refused("/dev/zero").contains("not a regular file"));
+}

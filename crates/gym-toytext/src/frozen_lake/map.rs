@@ -130,6 +130,17 @@ fn has_path(board: &[Vec<u8>]) -> bool {
 mod tests {
     use super::*;
 
+    /// Recorded from Gymnasium: no episode visits every hole.
+    #[test]
+    fn holes_are_where_gymnasium_has_them() {
+        let holes = |name| {
+            let map = named_map(name).unwrap().concat();
+            map.match_indices('H').map(|(i, _)| i).collect::<Vec<_>>()
+        };
+        assert_eq!(holes("4x4"), [5, 7, 11, 12]);
+        assert_eq!(holes("8x8"), [19, 29, 35, 41, 42, 46, 49, 52, 54, 59]);
+    }
+
     /// A path may also go up and to the left.
     #[test]
     fn paths_lead_in_every_direction() {

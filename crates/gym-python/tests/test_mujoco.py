@@ -174,7 +174,7 @@ def test_the_version_of_mujoco_is_an_argument(env_id):
 @pytest.mark.parametrize(("installed", "own", "hint"), [("3.12.0", "4.0", 'mujoco="3.12"'), ("3.9.0", "4.0", "does not repeat")])
 def test_another_installed_version_is_told_once(installed, own, hint, monkeypatch):
     mujoco_envs = sys.modules["rustgym.envs.mujoco"]
-    mujoco_envs._tell_other.cache_clear()
+    mujoco_envs.tell_other.cache_clear()
     monkeypatch.setattr(mujoco_envs, "_installed", lambda: installed)
     monkeypatch.setattr(gymnasium.logger, "min_level", gymnasium.logger.WARN)
     with pytest.warns(UserWarning, match=f"MuJoCo {own}.*mujoco {installed}: .*{hint}") as told:

@@ -28,6 +28,7 @@ from rustgym._live import Live, same
 from rustgym._modules import forwarder
 from rustgym._mujoco import Mirror, OwnData, load, model_path, observation_structure, renderer
 from rustgym._opened import package_of
+from rustgym._releases import is_of, tell_other
 from rustgym._specs import task_of
 from rustgym.env import Env, entropy
 
@@ -70,19 +71,6 @@ def _installed() -> str | None:
 
 # by installed version and the argument `mujoco`: whether both give the same numbers
 _AGREE: dict[tuple[str, str], bool] = {}
-
-
-def _is_of(installed: str, versions: list[str]) -> bool:
-    return installed in versions or ".".join(installed.split(".")[:2]) in versions
-
-
-@cache
-def _tell_other(own: str, installed: str, name: str | None) -> None:
-    """Logs once that Gymnasium's numbers differ, because it computes with another version of MuJoCo."""
-    hint = f'make it with mujoco="{name}" for these' if name else "whose numbers rustgym does not repeat"
-    gymnasium.logger.warn(
-        f"the environment has the numbers of MuJoCo {own}, and Gymnasium has those of the installed mujoco {installed}: {hint}"
-    )
 
 
 def _has_package() -> bool:
@@ -131,12 +119,12 @@ class MujocoEnv(ClassEnv):
         self._overrides = any(map(self._is_called, own))
         if (installed := _installed()) is not None and not self._is_of_version(installed):
             versions = self._made_of["versions"]
-            name = next((name for name in versions if _is_of(installed, versions[name])), None)
+            name = next((name for name in versions if is_of(installed, versions[name])), None)
             if name is not None and "mujoco" not in kwargs and (self._overrides or "step" in own):
                 super().__init__(*args, **kwargs, mujoco=name)  # the installed package will step the environment
                 self.__dict__.pop("_made_of")
             else:
-                _tell_other(self._made_of["mujoco"], installed, name)
+                tell_other(self._made_of["mujoco"], installed, name)
         if self._overrides:
             self._hand_over("a method that Gymnasium's task calls", warn=False)
 
@@ -150,7 +138,7 @@ class MujocoEnv(ClassEnv):
     def _given_there(cls, kwargs: dict[str, Any]) -> dict[str, Any]:
         given = super()._given_there(kwargs)
         version, installed = given.pop("mujoco", None), str(_installed())
-        if version is not None and not _is_of(installed, [str(version)]):
+        if version is not None and not is_of(installed, [str(version)]):
             raise gymnasium.error.Error(f"this needs the package mujoco {version}, and {installed} is installed")
         return given
 
@@ -172,7 +160,7 @@ class MujocoEnv(ClassEnv):
         """Whether version ``installed`` of the package ``mujoco`` computes the same numbers as this environment."""
         key = installed, str(self.arguments.get("mujoco"))
         if key not in _AGREE:
-            _AGREE[key] = _is_of(installed, self._made_of["versions"][self._made_of["mujoco"]])
+            _AGREE[key] = is_of(installed, self._made_of["versions"][self._made_of["mujoco"]])
         return _AGREE[key]
 
     @classmethod

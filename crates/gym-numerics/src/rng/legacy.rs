@@ -65,6 +65,9 @@ impl TryFrom<Stored> for RandomState {
         if next > N {
             return Err(format!("the next word is {next}, and there are {N}"));
         }
+        if gauss.is_some_and(|gauss| !gauss.is_finite()) {
+            return Err("the next normal number is not finite".to_owned());
+        }
         Ok(Self { words, next, gauss })
     }
 }

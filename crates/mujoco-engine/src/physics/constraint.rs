@@ -128,8 +128,11 @@ impl Constraints {
     }
 
     /// Allocates the largest number of rows that the model can have.
-    pub(crate) fn reserve(&mut self, bounds: &Bounds, nv: usize) {
+    pub(crate) fn reserve(&mut self, bounds: &Bounds, nv: usize, sparse: bool) {
         self.stride = dense::groups(nv);
+        if sparse {
+            self.columns.reserve(bounds.blocks * nv);
+        }
         self.blocks.reserve(bounds.blocks);
         self.jac.reserve(bounds.rows * self.stride);
         for column in columns!(self) {

@@ -555,7 +555,7 @@ impl Data {
         self.work = Work::new(m);
         let bounds = m.plan().bounds();
         self.contact.reserve(bounds.contacts);
-        self.efc.reserve(&bounds, m.nv());
+        self.efc.reserve(&bounds, m.nv(), m.plan().sparse);
         self.solver_niter.reserve(m.ntree());
     }
 }

@@ -37,7 +37,7 @@ pub(crate) fn document(folder: &Path) -> Result<Document> {
     text += "\n| ids | default | any bit | 1e-9 | 1e-3 |\n|---|---|---|---|---|\n";
     // ids of one module with equal differences share a row
     let mut rows: Vec<(&str, String, String)> = Vec::new();
-    for registration in registry::all() {
+    for registration in registry::self_contained() {
         let id = registration.id();
         let arguments = registration.arguments()?;
         let Some(version) = arguments.iter().find(|argument| argument.name == "mujoco") else {

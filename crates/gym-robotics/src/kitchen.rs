@@ -13,7 +13,7 @@
 //! `episode_task_completions`, in the order of their names.
 //!
 //! Models and meshes are those of the Python package, which the user has installed: see
-//! [`assets`](crate::assets).
+//! [`assets`].
 //!
 //! Differences from Gymnasium-Robotics: all numbers are Gymnasium-Robotics' with the version of
 //! MuJoCo that `mujoco` names, for Linux on x86-64. The reward of other goals, which in the package depends

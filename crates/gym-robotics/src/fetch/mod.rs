@@ -12,7 +12,7 @@
 //! `info` has `is_success` after a step: 1 within 0.05 m of the goal, else 0.
 //!
 //! Models and meshes are those of the Python package, which the user has installed: see
-//! [`assets`](crate::assets).
+//! [`assets`].
 //!
 //! Differences from Gymnasium-Robotics: all numbers are Gymnasium-Robotics' with the version of
 //! MuJoCo that `mujoco` names, for Linux on x86-64, and with numpy on a CPU without AVX-512 in OpenBLAS;

@@ -1,7 +1,7 @@
 //! The Shadow hand: twenty controls of 24 joints, with tasks in each module.
 //!
 //! Models and meshes are those of the Python package, which the user has installed: see
-//! [`assets`](crate::assets).
+//! [`assets`].
 
 pub mod manipulate;
 mod pose;

@@ -3,6 +3,8 @@
 
     pip install dm-control==1.0.45 mujoco==3.12.0
 
+Dog, humanoid_CMU and quadruped were recorded with `OPENBLAS_CORETYPE=Zen`, the others with `SkylakeX`.
+
 A line is an id, a seed, and the CRC-32 of all that happened up to some steps: the observations' arrays in the order of their keys,
 the reward, and whether the episode ended by the task or by its limit. Actions are `RandomState(seed).uniform(low, high)`.
 `episodes.txt` has the seeds 1 and 2, and manipulator-insert_peg's 11, where the peg touches the slot up to rounding at the start.

@@ -11,8 +11,8 @@
 //!
 //! Differences from dm_control: none are known with `mujoco="3.12"`; dm_control 1.0.45 does not run
 //! on 4.0, the default, and libmujoco 4.0 itself, which orders the solver's matrices anew, differs by
-//! rounding. The last bit of some numbers is numpy's on a CPU with AVX-512, for which
-//! `OPENBLAS_CORETYPE=SkylakeX` asks; on other CPUs dm_control's own differs. Masses and
+//! rounding. The last bit of some numbers is numpy's with OpenBLAS's kernel for AVX2, for which
+//! `OPENBLAS_CORETYPE=Zen` asks; on other CPUs dm_control's own differs. Masses and
 //! inertias are those that libmujoco 3.12, or 4.0, computes from the bones' meshes, as numbers.
 //! Pictures show the shapes that collide: bones and skin are left out.
 //!
@@ -26,8 +26,9 @@ use mujoco_engine::model::JointType;
 use mujoco_engine::physics::forward;
 use mujoco_engine::{Data, Model, Revision};
 
+use super::avx2::{norm, times};
 use super::axis::{ZX, ZZ};
-use super::{check, config, minus, norm, times};
+use super::{check, config, minus};
 use crate::domain::{SHAPELY, SHAPELY_STILL};
 use crate::rewards::{Sigmoid, Tolerance};
 use crate::{Domain, register};

@@ -4,7 +4,7 @@ use gym_core::Result;
 use mujoco_engine::Data;
 
 use super::axis::ZX;
-use super::{minus, norm, times};
+use super::minus;
 use crate::rewards::{Sigmoid, Tolerance, mean, small_control};
 use gym_sim::{Observation, Simulation};
 
@@ -18,6 +18,7 @@ pub(super) struct Figure {
     head: usize,
     /// Left hand and foot, right hand and foot.
     limbs: [usize; 4],
+    kernels: Kernels,
     /// The element of the torso's matrix that tells how upright it is.
     upright: usize,
     standing: Tolerance,
@@ -25,9 +26,17 @@ pub(super) struct Figure {
     going: Option<Tolerance>,
 }
 
+/// numpy's operations, whose last bits depend on the CPU.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Kernels {
+    pub(super) norm: fn([f64; 2]) -> f64,
+    pub(super) times: fn([f64; 3], &[f64; 9]) -> [f64; 3],
+}
+
 impl Figure {
     pub(super) fn new(
         s: &Simulation,
+        kernels: Kernels,
         torso: &str,
         [left_hand, left_foot, right_hand, right_foot]: [&str; 4],
         upright: usize,
@@ -41,6 +50,7 @@ impl Figure {
                 s.body(right_hand)?,
                 s.body(right_foot)?,
             ],
+            kernels,
             upright,
             standing: UPRIGHT,
             going: None,
@@ -62,7 +72,9 @@ impl Figure {
         let (pos, mat) = (d.xpos[self.torso], &d.xmat[self.torso]);
         out.vector("joint_angles", d.qpos[7..].iter().copied());
         out.scalar("head_height", d.xpos[self.head][2]);
-        let limbs = self.limbs.map(|limb| times(minus(d.xpos[limb], pos), mat));
+        let limbs = self
+            .limbs
+            .map(|limb| (self.kernels.times)(minus(d.xpos[limb], pos), mat));
         out.vector("extremities", limbs.into_iter().flatten());
         out.vector("torso_vertical", mat[ZX..].iter().copied());
         out.vector("com_velocity", d.sensordata[..3].iter().copied());
@@ -75,7 +87,7 @@ impl Figure {
         let velocity = [d.sensordata[0], d.sensordata[1]];
         let well = match &self.going {
             None => mean(&velocity, |v| STILL.of_element(*v)),
-            Some(going) => (5.0 * going.of(norm(velocity)) + 1.0) / 6.0,
+            Some(going) => (5.0 * going.of((self.kernels.norm)(velocity)) + 1.0) / 6.0,
         };
         small_control * stand * well
     }

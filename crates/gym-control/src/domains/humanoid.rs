@@ -22,8 +22,8 @@ use mujoco_engine::lanes::Derived;
 use mujoco_engine::{Data, Model};
 
 use super::axis::ZZ;
-use super::figure::Figure;
-use super::{check, config};
+use super::figure::{Figure, Kernels};
+use super::{check, config, norm, times};
 use crate::domain::{STANDING, clip};
 use crate::{Domain, register};
 use gym_sim::{Observation, SimTask, Simulation, Start};
@@ -61,7 +61,7 @@ impl Domain for Humanoid {
         check("speed", config.speed, 0.0, 1000.0)?;
         check("stand_height", config.stand_height, 0.01, 10.0)?;
         let limbs = ["left_hand", "left_foot", "right_hand", "right_foot"];
-        let figure = Figure::new(s, "torso", limbs, ZZ)?;
+        let figure = Figure::new(s, Kernels { norm, times }, "torso", limbs, ZZ)?;
         Ok(Self {
             figure: figure.rewarded(config.speed, config.stand_height),
             pure_state: config.pure_state,

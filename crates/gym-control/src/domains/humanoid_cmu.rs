@@ -11,8 +11,8 @@
 //!
 //! Differences from dm_control: none are known with `mujoco="3.12"`; dm_control 1.0.45 does not run
 //! on 4.0, the default, and libmujoco 4.0 itself, which orders the solver's matrices anew, differs by
-//! rounding. The last bit of some numbers is numpy's on a CPU with AVX-512, for which
-//! `OPENBLAS_CORETYPE=SkylakeX` asks; on other CPUs dm_control's own differs. The sites
+//! rounding. The last bit of some numbers is numpy's with OpenBLAS's kernel for AVX2, for which
+//! `OPENBLAS_CORETYPE=Zen` asks; on other CPUs dm_control's own differs. The sites
 //! and sensors of touch, which no observation has, are left out.
 //!
 //! Source: dm_control 1.0.45, `suite/humanoid_CMU.py`.
@@ -22,8 +22,9 @@ use std::borrow::Cow;
 use gym_core::Result;
 use mujoco_engine::{Data, Model};
 
+use super::avx2::{norm, times};
 use super::axis::ZY;
-use super::figure::Figure;
+use super::figure::{Figure, Kernels};
 use super::{check, config};
 use crate::domain::SHAPELY_STANDING;
 use crate::{Domain, register};
@@ -58,7 +59,13 @@ impl Domain for HumanoidCmu {
     fn new(config: &Config, s: &Simulation) -> Result<Self> {
         check("speed", config.speed, 0.0, 1000.0)?;
         check("stand_height", config.stand_height, 0.01, 10.0)?;
-        let figure = Figure::new(s, "thorax", ["lhand", "lfoot", "rhand", "rfoot"], ZY)?;
+        let figure = Figure::new(
+            s,
+            Kernels { norm, times },
+            "thorax",
+            ["lhand", "lfoot", "rhand", "rfoot"],
+            ZY,
+        )?;
         Ok(Self {
             figure: figure.rewarded(config.speed, config.stand_height),
         })

@@ -74,6 +74,20 @@ fn norm<const N: usize>(v: [f64; N]) -> f64 {
     gym_sim::numpy::norm(5, &v)
 }
 
+/// numpy's operations on a CPU for which OpenBLAS has a kernel with AVX2, but none with AVX-512: what
+/// the domains were recorded on that came last.
+mod avx2 {
+    /// Returns `np.linalg.norm(v)`.
+    pub(super) fn norm<const N: usize>(v: [f64; N]) -> f64 {
+        gym_sim::numpy::norm_avx2(&v)
+    }
+
+    /// Returns the vector `v` times the row-major matrix `m`: numpy's `v.dot(m)`.
+    pub(super) fn times(v: [f64; 3], m: &[f64; 9]) -> [f64; 3] {
+        std::array::from_fn(|j| v[0] * m[j] + v[1] * m[3 + j] + v[2] * m[6 + j])
+    }
+}
+
 /// Returns the vector `v` times the row-major matrix `m`: numpy's `v.dot(m)`, which uses fused
 /// multiply-add.
 #[expect(

@@ -13,8 +13,8 @@
 //! tangents; a ray that meets nothing has 1.
 //!
 //! Differences from dm_control: none are known with `mujoco="3.12"`; dm_control 1.0.45 does not run
-//! on 4.0, the default. The last bit of some numbers is numpy's on a CPU with AVX-512, for which
-//! `OPENBLAS_CORETYPE=SkylakeX` asks; on other CPUs dm_control's own differs. Camera 0 is at the side
+//! on 4.0, the default. The last bit of some numbers is numpy's with OpenBLAS's kernel for AVX2, for which
+//! `OPENBLAS_CORETYPE=Zen` asks; on other CPUs dm_control's own differs. Camera 0 is at the side
 //! of the robot, instead of far away.
 //!
 //! Source: dm_control 1.0.45, `suite/quadruped.py`.
@@ -30,12 +30,13 @@ use gym_sim::numpy::{arcsinh, tanh};
 use mujoco_engine::{CompiledModel, Data, Model};
 use serde::{Deserialize, Serialize};
 
+use super::avx2::{norm, times};
 use super::axis::ZZ;
-use super::{check, config, minus, norm, times};
+use super::{check, config, minus};
 use crate::domain::SHAPELY_STILL;
 use crate::rewards::{Sigmoid, Tolerance};
 use crate::{Domain, register};
-use gym_sim::{Observation, Rng, SimTask, Simulation, Start};
+use gym_sim::{Observation, SimTask, Simulation, Start};
 
 /// The half edge of the floor on which the ball lies.
 const FLOOR: f64 = 15.0;
@@ -185,7 +186,8 @@ impl Quadruped {
             minus(three(dof), three(0)),
             three(dof + 3),
         ];
-        parts.map(|part| times(part, mat))
+        // a product of two matrices, which has another kernel
+        parts.map(|part| super::times(part, mat))
     }
 }
 
@@ -204,7 +206,9 @@ impl SimTask for Quadruped {
             *start.constants = terrain::draw_bumps(start.rng);
             start.change(|constants, model| self.apply(constants, model))?;
         }
-        let orientation = start.quaternion(Rng::standard_normal);
+        let quat = [(); 4].map(|()| start.rng.standard_normal());
+        let length = norm(quat);
+        let orientation = quat.map(|x| x / length);
         lift(start, orientation, [0.0; 2])
     }
 

@@ -81,10 +81,14 @@ impl Start<'_> {
         Err(Error::argument("seed", reason))
     }
 
-    /// Draws a quaternion: four numbers from `number`, scaled to length 1.
-    pub fn quaternion(&mut self, number: fn(&mut Rng) -> f64) -> [f64; 4] {
+    /// Draws a quaternion: four numbers from `number`, divided by their `length`.
+    pub fn quaternion(
+        &mut self,
+        number: fn(&mut Rng) -> f64,
+        length: fn([f64; 4]) -> f64,
+    ) -> [f64; 4] {
         let quat = [(); 4].map(|()| number(self.rng));
-        let length = norm(5, &quat);
+        let length = length(quat);
         quat.map(|x| x / length)
     }
 
@@ -96,7 +100,7 @@ impl Start<'_> {
             let [low, high] = self.model().jnt_range[j];
             match kind {
                 JointType::Free => {
-                    let quat = self.quaternion(Rng::random);
+                    let quat = self.quaternion(Rng::random, |quat| norm(5, &quat));
                     self.data.qpos[p + 3..p + 7].copy_from_slice(&quat);
                 }
                 JointType::Hinge | JointType::Slide if self.model().jnt_limited[j] => {

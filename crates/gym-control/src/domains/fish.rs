@@ -88,7 +88,7 @@ impl Domain for Fish {
 
 impl SimTask for Fish {
     fn start(&self, start: &mut Start<'_>) -> Result<()> {
-        let quat = start.quaternion(Rng::standard_normal);
+        let quat = start.quaternion(Rng::standard_normal, norm);
         start.data.qpos[3..7].copy_from_slice(&quat);
         for joint in JOINTS {
             start.data.qpos[joint] = start.uniform(-0.2, 0.2);

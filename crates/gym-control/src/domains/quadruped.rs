@@ -36,7 +36,7 @@ use super::{check, config, minus};
 use crate::domain::SHAPELY_STILL;
 use crate::rewards::{Sigmoid, Tolerance};
 use crate::{Domain, register};
-use gym_sim::{Observation, SimTask, Simulation, Start};
+use gym_sim::{Observation, Rng, SimTask, Simulation, Start};
 
 /// The half edge of the floor on which the ball lies.
 const FLOOR: f64 = 15.0;
@@ -206,9 +206,7 @@ impl SimTask for Quadruped {
             *start.constants = terrain::draw_bumps(start.rng);
             start.change(|constants, model| self.apply(constants, model))?;
         }
-        let quat = [(); 4].map(|()| start.rng.standard_normal());
-        let length = norm(quat);
-        let orientation = quat.map(|x| x / length);
+        let orientation = start.quaternion(Rng::standard_normal, norm);
         lift(start, orientation, [0.0; 2])
     }
 

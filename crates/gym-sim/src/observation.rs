@@ -76,12 +76,14 @@ impl Observation {
         self.filled = 0;
     }
 
-    /// Returns the parts, sorted by name.
+    /// Returns where each part is in the observation.
     pub(crate) fn layout(&self) -> Layout {
         let mut parts = self.parts.clone();
         parts.sort_by_key(|part| part.name);
-        let len = self.numbers.len();
-        Layout { parts, len }
+        Layout {
+            members: members(&parts, 0),
+            len: self.numbers.len(),
+        }
     }
 
     /// Writes the numbers to `out`, an observation of the layout's space.
@@ -89,85 +91,94 @@ impl Observation {
         if flat {
             return fill(out, dtype, &[self.numbers.len()], &self.numbers);
         }
-        self.write_parts(&layout.parts, 0, dtype, out);
+        self.write_dict(&layout.members, dtype, out);
     }
 
-    /// Writes parts to a dict. Their names begin at `from`: what is before is that of the dict.
-    fn write_parts(&self, parts: &[Part], from: usize, dtype: DType, out: &mut Value) {
+    fn write_dict(&self, members: &[(&str, Member)], dtype: DType, out: &mut Value) {
         let fits = |entries: &Vec<(String, Value)>| {
-            let mut both = entries.iter().zip(groups(parts, from));
-            entries.len() == groups(parts, from).count()
-                && both.all(|((key, _), group)| key == group[0].word(from))
+            let mut both = entries.iter().zip(members);
+            entries.len() == members.len() && both.all(|((key, _), (name, _))| key == name)
         };
         if !matches!(out, Value::Dict(entries) if fits(entries)) {
-            let entries = groups(parts, from);
-            let entries = entries.map(|group| (group[0].word(from).to_owned(), Value::Null));
-            *out = Value::Dict(entries.collect());
+            let entries = members.iter();
+            *out = Value::Dict(
+                entries
+                    .map(|(name, _)| ((*name).to_owned(), Value::Null))
+                    .collect(),
+            );
         }
         let Value::Dict(entries) = out else { return };
-        for (group, (key, value)) in groups(parts, from).zip(entries) {
-            let part = &group[0];
-            if part.name.len() > from + key.len() {
-                self.write_parts(group, from + key.len() + 1, dtype, value);
-                continue;
+        for ((_, member), (_, value)) in members.iter().zip(entries) {
+            match member {
+                Member::Dict(members) => self.write_dict(members, dtype, value),
+                Member::Array(part) => {
+                    let length: usize = part.shape.iter().product();
+                    let numbers = &self.numbers[part.first..part.first + length];
+                    fill(value, dtype, &part.shape, numbers);
+                }
             }
-            let length: usize = part.shape.iter().product();
-            let numbers = &self.numbers[part.first..part.first + length];
-            fill(value, dtype, &part.shape, numbers);
         }
     }
 }
 
-impl Part {
-    /// The word of its name that begins at `from`.
-    fn word(&self, from: usize) -> &'static str {
-        let rest = self.name.get(from..).unwrap_or_default();
-        rest.split_once('/').map_or(rest, |(word, _)| word)
-    }
-}
-
-/// The parts by the word of their names that begins at `from`.
-fn groups(parts: &[Part], from: usize) -> impl Iterator<Item = &[Part]> {
-    parts.chunk_by(move |a, b| a.word(from) == b.word(from))
-}
-
-/// The parts of an observation, sorted by name.
+/// What an observation is made of, sorted by name.
 #[derive(Clone, Debug)]
 pub(crate) struct Layout {
-    parts: Vec<Part>,
+    members: Vec<(&'static str, Member)>,
     len: usize,
+}
+
+/// A member of a dict.
+#[derive(Clone, Debug)]
+enum Member {
+    Array(Part),
+    Dict(Vec<(&'static str, Member)>),
 }
 
 impl Layout {
     /// Returns the observation space.
     pub(crate) fn space(&self, flat: bool, dtype: DType) -> Result<Space> {
-        let reals = |shape: &[usize]| -> Result<Space> {
-            let space = BoxSpace::uniform(f64::NEG_INFINITY, f64::INFINITY, shape, dtype)?;
-            Ok(space.into())
-        };
         if flat {
-            return reals(&[self.len]);
+            reals(&[self.len], dtype)
+        } else {
+            dict(&self.members, dtype)
         }
-        members(&self.parts, 0, &reals)
     }
 }
 
-/// The dict of parts, whose names begin at `from`.
-fn members(
-    parts: &[Part],
-    from: usize,
-    reals: &dyn Fn(&[usize]) -> Result<Space>,
-) -> Result<Space> {
-    let members = groups(parts, from).map(|group| {
-        let (part, word) = (&group[0], group[0].word(from));
-        let space = if part.name.len() > from + word.len() {
-            members(group, from + word.len() + 1, reals)?
+/// The members of a dict, of whose parts the names go on at `from`: what is before is the dict's.
+fn members(parts: &[Part], from: usize) -> Vec<(&'static str, Member)> {
+    let word = |part: &Part| {
+        let rest = part.name.get(from..).unwrap_or_default();
+        rest.split_once('/').map_or(rest, |(word, _)| word)
+    };
+    let groups = parts.chunk_by(|a, b| word(a) == word(b));
+    let members = groups.map(|group| {
+        let (part, word) = (&group[0], word(&group[0]));
+        let end = from + word.len();
+        let member = if part.name.len() > end {
+            Member::Dict(members(group, end + 1))
         } else {
-            reals(&part.shape)?
+            Member::Array(part.clone())
         };
-        Ok((word, space))
+        (word, member)
     });
-    Ok(DictSpace::new(members.collect::<Result<Vec<_>>>()?)?.into())
+    members.collect()
+}
+
+fn dict(members: &[(&'static str, Member)], dtype: DType) -> Result<Space> {
+    let spaces = members.iter().map(|(name, member)| {
+        let space = match member {
+            Member::Array(part) => reals(&part.shape, dtype)?,
+            Member::Dict(members) => dict(members, dtype)?,
+        };
+        Ok((*name, space))
+    });
+    Ok(DictSpace::new(spaces.collect::<Result<Vec<_>>>()?)?.into())
+}
+
+fn reals(shape: &[usize], dtype: DType) -> Result<Space> {
+    Ok(BoxSpace::uniform(f64::NEG_INFINITY, f64::INFINITY, shape, dtype)?.into())
 }
 
 /// Writes `numbers` to `out` as an array with the type `dtype` and the shape `shape`.

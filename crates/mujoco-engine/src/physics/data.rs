@@ -191,19 +191,29 @@ struct State {
     qacc: Vec<f64>,
 }
 
-/// Runs a statement for each array of a state except the applied forces.
-macro_rules! for_parts {
-    ($from:expr, $to:expr, $do:ident) => {{
-        let (from, to) = ($from, $to);
-        for_parts!(from to $do: qpos qvel ctrl qacc_warmstart);
+/// Copies a state, with empty arrays of applied forces unless the last argument is true; or some of
+/// its arrays. (A function could not copy to a field of the data that it reads.)
+macro_rules! copy_state {
+    ($from:expr => $to:expr, $pushed:expr) => {{
+        $to.time = $from.time;
+        copy_state!(qpos qvel ctrl qacc_warmstart: $from => $to);
         // most models have none of these arrays
-        let some = [from.act.len(), from.mocap_pos.len(), to.act.len(), to.mocap_pos.len()];
+        let some = [$from.act.len(), $from.mocap_pos.len(), $to.act.len(), $to.mocap_pos.len()];
         if some != [0; 4] {
-            for_parts!(from to $do: act mocap_pos mocap_quat);
+            copy_state!(act mocap_pos mocap_quat: $from => $to);
         }
+        copy_state!(forces: $from => $to, $pushed);
     }};
-    ($from:ident $to:ident $do:ident: $($part:ident)+) => {
-        $($to.$part.$do(&$from.$part);)+
+    (forces: $from:expr => $to:expr, $pushed:expr) => {
+        if $pushed {
+            copy_state!(qfrc_applied xfrc_applied: $from => $to);
+        } else {
+            $to.qfrc_applied.clear();
+            $to.xfrc_applied.clear();
+        }
+    };
+    ($($array:ident)+: $from:expr => $to:expr) => {
+        $($to.$array.clone_from(&$from.$array);)+
     };
 }
 
@@ -465,25 +475,8 @@ impl Data {
 
     fn state(&self) -> State {
         let mut state = State::default();
-        self.copy_state(&mut state, self.is_pushed());
+        copy_state!(self => state, self.is_pushed());
         state
-    }
-
-    /// Copies the state to `state`, with empty force arrays if no force is applied.
-    fn copy_state(&self, state: &mut State, pushed: bool) {
-        state.time = self.time;
-        for_parts!(self, &mut *state, clone_from);
-        self.copy_applied(state, pushed);
-    }
-
-    fn copy_applied(&self, state: &mut State, pushed: bool) {
-        if pushed {
-            state.qfrc_applied.clone_from(&self.qfrc_applied);
-            state.xfrc_applied.clone_from(&self.xfrc_applied);
-        } else {
-            state.qfrc_applied.clear();
-            state.xfrc_applied.clear();
-        }
     }
 
     /// Whether an external force is applied.
@@ -496,10 +489,7 @@ impl Data {
     }
 
     fn set(&mut self, state: &State) {
-        self.time = state.time;
-        for_parts!(state, &mut *self, clone_from);
-        self.qfrc_applied.clone_from(&state.qfrc_applied);
-        self.xfrc_applied.clone_from(&state.xfrc_applied);
+        copy_state!(state => self, true);
     }
 
     /// Stores the state from which a call starts.
@@ -508,13 +498,11 @@ impl Data {
         self.begin_substep(m);
         self.work.skips = false;
         self.last = Some(call);
-        let mut before = std::mem::take(&mut self.before);
-        self.copy_state(&mut before, self.work.pushed);
-        before.qacc.clear();
+        copy_state!(self => self.before, self.work.pushed);
+        self.before.qacc.clear();
         if call == Call::Inverse {
-            before.qacc.clone_from(&self.qacc);
+            self.before.qacc.clone_from(&self.qacc);
         }
-        self.before = before;
     }
 
     /// Prepares a timestep that neither stores its initial state nor computes the geom and site
@@ -536,12 +524,8 @@ impl Data {
         }
         (self.last, self.contact_forces) = (Some(Call::Step2), false);
         self.work.pushed = self.is_pushed();
-        let mut before = std::mem::take(&mut self.before);
-        before.ctrl.clone_from(&self.ctrl);
-        before.act.clone_from(&self.act);
-        before.qacc_warmstart.clone_from(&self.qacc_warmstart);
-        self.copy_applied(&mut before, self.work.pushed);
-        self.before = before;
+        copy_state!(ctrl act qacc_warmstart: self => self.before);
+        copy_state!(forces: self => self.before, self.work.pushed);
     }
 
     /// Resizes every array to the sizes of the model. Arrays of the right length do not change.

@@ -140,9 +140,12 @@ impl Buffers {
     /// Resizes the vectors for an island of `n` degrees of freedom. The elements that fill the last
     /// group of four are zero: a solution that diverged leaves other numbers there.
     pub(super) fn fit(&mut self, n: usize) {
+        let fills = !n.is_multiple_of(4);
         for vector in self.of_dofs() {
-            vector.resize(dense::groups(n), [0.0; 4]);
-            if let Some(last) = vector.last_mut() {
+            if vector.len() != dense::groups(n) {
+                vector.resize(dense::groups(n), [0.0; 4]);
+            }
+            if let Some(last) = vector.last_mut().filter(|_| fills) {
                 *last = [0.0; 4];
             }
         }

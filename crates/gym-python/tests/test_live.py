@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import copy
+import math
 import pickle
 from collections.abc import Callable
 from typing import Any
@@ -284,6 +285,27 @@ def test_a_table_of_an_environment_of_a_vector(way: str) -> None:
     assert observations[0] == 5 and rewards.tolist() == [2.0, 0.0]
     envs.envs[1].initial_state_distrib[:] = np.eye(16)[14]
     assert envs.reset(seed=1)[0].tolist() == [0, 14]
+
+
+@pytest.mark.parametrize("outcome", [(math.nan, 0, 0.0), (1.0, 0, math.nan), (1.5, 0, 0.0), (1.0, 16, 0.0)])
+@pytest.mark.parametrize("num_envs", [1, 2])
+def test_a_table_that_cannot_be_is_refused(outcome: tuple[float, int, float], num_envs: int) -> None:
+    envs = rustgym.VectorEnv("FrozenLake-v1", num_envs, kind="sync")
+    env = rustgym.make("FrozenLake-v1")
+    envs.reset(seed=1)
+    env.reset(seed=1)
+    for lake, step in ((env.unwrapped, lambda: env.step(0)), (envs.envs[0], lambda: envs.step([0] * num_envs))):
+        lake.P[0][0] = [(*outcome, False)]
+        with pytest.raises(ValueError, match=r"finite"):
+            step()
+
+
+@pytest.mark.parametrize("starts", [math.nan, -1.0, 2.0])
+def test_starts_that_cannot_be_are_refused(starts: float) -> None:
+    env = rustgym.make("FrozenLake-v1")
+    env.unwrapped.initial_state_distrib[:] = starts
+    with pytest.raises(ValueError, match="probabilities from 0 to 1"):
+        env.reset(seed=1)
 
 
 def test_frames_per_second_follow_the_step() -> None:

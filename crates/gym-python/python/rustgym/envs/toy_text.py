@@ -15,6 +15,7 @@ import numpy.typing as npt
 
 from rustgym import _native
 from rustgym._class_env import ClassEnv
+from rustgym._errors import InvalidArgument
 from rustgym._json import to_json
 from rustgym._live import Live, Own
 from rustgym._generators import generator_from
@@ -141,6 +142,7 @@ class TabularEnv(ToyTextEnv):
         row = table[state][action]
         if row == self._table[0][state].get(action):
             return super()._watched_step(action)
+        self._check(row, f"P[{state}][{action}]")
         self._push("step")
         rng = self._np_random
         assert rng is not None
@@ -152,6 +154,18 @@ class TabularEnv(ToyTextEnv):
         self._push_generator()
         self._follow()
         return cell, reward, terminated, False, self._info(probability, cell)
+
+    def _check(self, row: Any, place: str) -> None:
+        """Refuse outcomes that a vector refuses too."""
+        states = len(self._table[0])
+        if not row:
+            raise InvalidArgument(f"{place} has no outcome")
+        for outcome in row:
+            probability, cell, reward, _ = outcome
+            if not (0 <= probability <= 1 and 0 <= cell < states and np.isfinite(reward)):
+                raise InvalidArgument(
+                    f"{place}: {outcome} needs a probability from 0 to 1, a next state below {states} and a finite reward"
+                )
 
     def _push_into_vector(self) -> None:
         super()._push_into_vector()
@@ -180,6 +194,8 @@ class TabularEnv(ToyTextEnv):
         starts = (self._handed or {}).get("initial_state_distrib")
         if starts is None or np.array_equal(starts, self._table[1]):
             return super().reset(seed=seed, options=options)
+        if len(starts) != len(self._table[1]) or not all(0 <= start <= 1 for start in starts):
+            raise InvalidArgument(f"initial_state_distrib needs {len(self._table[1])} probabilities from 0 to 1")
         if seed is None and self._np_random is None:
             seed = entropy()
         # the reset's first draw decides the start: a copy of the generator repeats it

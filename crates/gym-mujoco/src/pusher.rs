@@ -28,6 +28,7 @@ use gym_sim::{
     Common, FromArguments, Measured, Measures, Observation, SimTask, Simulation, Start,
     TaskArguments, Visit, register,
 };
+use mujoco_engine::lanes::Derived;
 use mujoco_engine::{Data, Model, Revision};
 
 const ARM: usize = 7; // joints
@@ -154,6 +155,10 @@ impl SimTask for Task {
             (data.qpos[..ARM].iter().chain(&data.qvel[..ARM]).copied())
                 .chain(bodies.into_iter().flatten()),
         );
+    }
+
+    fn reads(&self, _: &Model) -> Option<Vec<Derived>> {
+        Some(vec![Derived::Xpos])
     }
 
     fn info(&self, _: &Simulation, _: &Data, measured: Option<&Measured>, visit: Visit<'_>) {

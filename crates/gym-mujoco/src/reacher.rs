@@ -28,6 +28,7 @@ use gym_sim::{
     Common, FromArguments, Measured, Measures, Observation, SimTask, Simulation, Start,
     TaskArguments, Visit, register,
 };
+use mujoco_engine::lanes::Derived;
 use mujoco_engine::{Data, Model};
 
 const REACH: f64 = 0.2; // m, how far away the target can be
@@ -132,6 +133,10 @@ impl SimTask for Task {
                 .chain(data.qvel[..2].iter().copied())
                 .chain(self.offset(data).into_iter().take(dimensions)),
         );
+    }
+
+    fn reads(&self, _: &Model) -> Option<Vec<Derived>> {
+        Some(vec![Derived::Xpos])
     }
 
     fn info(&self, _: &Simulation, _: &Data, measured: Option<&Measured>, visit: Visit<'_>) {

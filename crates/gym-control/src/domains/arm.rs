@@ -3,6 +3,7 @@
 use std::f64::consts::PI;
 
 use gym_core::{Result, math};
+use mujoco_engine::lanes::Derived;
 use mujoco_engine::{Data, Model};
 
 use super::{minus, norm};
@@ -16,6 +17,14 @@ pub(super) fn text(solref: f64, props: &str, apart: &str) -> String {
         .replace("{props}", props)
         .replace("{apart}", apart)
 }
+
+/// The derived arrays that tasks read.
+pub(super) const READS: [Derived; 4] = [
+    Derived::Xpos,
+    Derived::Xquat,
+    Derived::SiteXpos,
+    Derived::Sensors(5),
+];
 
 /// The joints of the arm, in the order in which the task draws and observes them.
 const JOINTS: [&str; 8] = [

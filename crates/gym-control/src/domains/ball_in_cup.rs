@@ -17,6 +17,7 @@
 use std::borrow::Cow;
 
 use gym_core::Result;
+use mujoco_engine::lanes::Derived;
 use mujoco_engine::{Data, Model};
 
 use super::config;
@@ -68,6 +69,10 @@ impl SimTask for BallInCup {
     fn observe(&self, _: &Model, d: &Data, out: &mut Observation) {
         out.vector("position", d.qpos.iter().copied());
         out.vector("velocity", d.qvel.iter().copied());
+    }
+
+    fn reads(&self, _: &Model) -> Option<Vec<Derived>> {
+        Some(vec![Derived::Xpos, Derived::SiteXpos])
     }
 
     fn reward(&self, _: &Model, d: &Data) -> f64 {

@@ -18,6 +18,7 @@ use std::borrow::Cow;
 use std::f64::consts::PI;
 
 use gym_core::{Result, math};
+use mujoco_engine::lanes::Derived;
 use mujoco_engine::{Data, Model};
 
 use super::{check, config, minus, norm};
@@ -117,6 +118,10 @@ impl SimTask for Finger {
             out.vector("target_position", self.offset(d, self.target));
             out.scalar("dist_to_target", self.distance(d));
         }
+    }
+
+    fn reads(&self, _: &Model) -> Option<Vec<Derived>> {
+        Some(vec![Derived::Xpos, Derived::SiteXpos, Derived::Sensors(2)])
     }
 
     fn reward(&self, _: &Model, d: &Data) -> f64 {

@@ -20,6 +20,7 @@ use std::borrow::Cow;
 use std::f64::consts::PI;
 
 use gym_core::{Result, math};
+use mujoco_engine::lanes::Derived;
 use mujoco_engine::{Data, Model};
 
 use super::arm::{self, Arm, distance, pose, turned};
@@ -153,6 +154,10 @@ impl SimTask for Manipulator {
             out.vector("object_vel", d.qvel[first..first + 3].iter().copied());
             out.vector("target_pos", pose(d, self.target));
         }
+    }
+
+    fn reads(&self, _: &Model) -> Option<Vec<Derived>> {
+        Some(arm::READS.to_vec())
     }
 
     fn reward(&self, _: &Model, d: &Data) -> f64 {

@@ -19,6 +19,7 @@ use std::borrow::Cow;
 use std::f64::consts::PI;
 
 use gym_core::{Error, Result};
+use mujoco_engine::lanes::Derived;
 use mujoco_engine::{Data, Model};
 
 use super::arm::{self, Arm, distance, pose};
@@ -134,6 +135,10 @@ impl SimTask for Stacker {
             let target = d.xpos[self.target[0]];
             out.vector("target_pos", [target[0], target[2]]);
         }
+    }
+
+    fn reads(&self, _: &Model) -> Option<Vec<Derived>> {
+        Some(arm::READS.to_vec())
     }
 
     fn reward(&self, _: &Model, d: &Data) -> f64 {

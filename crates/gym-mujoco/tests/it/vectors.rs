@@ -70,8 +70,8 @@ fn the_bits_are_the_same_on_any_number_of_threads() {
     }
 }
 
-/// Tasks whose worlds step together, and one task whose worlds step one by one.
-const TOGETHER: [&str; 13] = [
+/// Tasks whose worlds step together.
+const TOGETHER: [&str; 16] = [
     "HalfCheetah-v5",
     "Hopper-v4",
     "Walker2d-v5",
@@ -85,6 +85,9 @@ const TOGETHER: [&str; 13] = [
     "Humanoid-v3",
     "HumanoidStandup-v5",
     "Reacher-v5",
+    "Reacher-v4",
+    "Pusher-v5",
+    "Pusher-v4",
 ];
 
 const NATIVE: [VectorKind; 2] = [VectorKind::Native, VectorKind::Sync];
@@ -132,9 +135,12 @@ impl Pair {
 fn worlds_that_step_together_have_the_bits_of_worlds_alone() {
     for id in TOGETHER {
         for (n, mode, mujoco) in [
+            (1, Autoreset::NextStep, "4.0"),
+            (7, Autoreset::SameStep, "3.12"),
             (8, Autoreset::NextStep, "4.0"),
+            (9, Autoreset::NextStep, "3.12"),
             (13, Autoreset::SameStep, "3.12"),
-            (64, Autoreset::Disabled, "4.0"),
+            (67, Autoreset::Disabled, "4.0"),
         ] {
             let make = |kind| {
                 builder(id)

@@ -1,6 +1,6 @@
 //! Mazes: maps, reset options, goals, snapshots, vectors.
 
-use gym_core::vector::VectorKind;
+use gym_core::vector::{Autoreset, Columns, VectorKind};
 use gym_core::{BoxEnv, Env, EnvExt, Error, Reset, Value, VectorEnvExt, builder, make};
 use gym_robotics as _;
 use serde_json::{Value as Json, json};
@@ -266,4 +266,47 @@ fn an_ant_of_a_file_that_cannot_be_read_is_refused() {
     assert!(refused("./no_ant.xml").contains("give the path of a model in MJCF"));
     #[cfg(unix)]
     assert!(refused("/dev/zero").contains("not a regular file"));
+}
+
+/// The worlds of a native vector step together, with the bits of those of a sync one.
+#[test]
+fn native_vectors_have_the_bits_of_sync_ones() {
+    let bits = |columns: &Columns| {
+        let parts = ["observation", "achieved_goal", "desired_goal"];
+        let parts = parts.map(|part| numbers(&columns.observations, part));
+        let all = parts.iter().flatten().chain(&columns.rewards);
+        all.map(|x| x.to_bits()).collect::<Vec<_>>()
+    };
+    for id in [
+        "PointMaze_UMazeDense-v3",
+        "AntMaze_UMazeDense-v5",
+        "AntMaze_UMaze-v3",
+    ] {
+        for (n, mujoco, mode) in [
+            (1, "4.0", Autoreset::NextStep),
+            (7, "3.12", Autoreset::SameStep),
+            (8, "4.0", Autoreset::SameStep),
+            (9, "3.12", Autoreset::NextStep),
+            (67, "4.0", Autoreset::NextStep),
+        ] {
+            let make = |kind| {
+                let spec = builder(id).arg("mujoco", mujoco).max_episode_steps(30);
+                let envs = spec.vector(n).autoreset(mode).kind(kind).build();
+                envs.unwrap()
+            };
+            let mut vectors = [VectorKind::Native, VectorKind::Sync].map(make);
+            let mut columns = vectors.each_mut().map(|envs| envs.reset(8).unwrap());
+            let mut actions = vectors[0].action_sampler(3).unwrap();
+            for step in 0..80.min(800 / n) {
+                let batch = actions.sample();
+                for (envs, columns) in vectors.iter_mut().zip(&mut columns) {
+                    envs.step_into(&batch, columns).unwrap();
+                }
+                let [native, sync] = columns.each_ref().map(bits);
+                assert!(native == sync, "{id}, {n}, {mujoco}, {mode:?}, step {step}");
+                assert_eq!(columns[0].terminated, columns[1].terminated);
+                assert_eq!(columns[0].truncated, columns[1].truncated);
+            }
+        }
+    }
 }

@@ -94,6 +94,14 @@ impl ModelConstraints {
             || !self.tendon_frictions.is_empty()
     }
 
+    /// Whether some constraint acts on a tendon.
+    pub(crate) fn pulls_tendons(&self) -> bool {
+        let mut equalities = self.equalities.iter();
+        !self.tendon_limits.is_empty()
+            || !self.tendon_frictions.is_empty()
+            || equalities.any(|equality| equality.kind == EqualityType::Tendon)
+    }
+
     /// The largest number of blocks and of rows.
     pub(crate) fn most(&self) -> (usize, usize) {
         let scalars = self.dof_frictions.len() + self.tendon_frictions.len();

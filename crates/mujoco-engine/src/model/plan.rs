@@ -118,6 +118,14 @@ pub(crate) struct Bounds {
     pub(crate) exceeded: bool,
 }
 
+impl Bounds {
+    /// The number of rows for which several worlds have room before they grow: of many, few are used.
+    pub(crate) fn rows_of_worlds(&self) -> usize {
+        const FEW: usize = 200;
+        if self.exceeded { FEW } else { self.rows }
+    }
+}
+
 /// The limit of a joint.
 #[derive(Clone, Debug)]
 pub(crate) struct Limit {

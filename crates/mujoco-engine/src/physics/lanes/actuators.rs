@@ -4,9 +4,12 @@
 use fearless_simd::Simd;
 use gym_numerics::math::{Lanes, Real};
 
-use super::{Arrays, At, load, same, store};
+use super::rows::Moved;
+use super::{Arrays, At, PerWorld, load, same, store};
 use crate::Model;
-use crate::model::TransmissionType;
+use crate::math::number;
+use crate::math::spatial::{add, cross, dot, rotation, sub, translation, unit};
+use crate::model::{TransmissionType, WrapType};
 
 /// Iterates over the joints of a fixed tendon: the index of the joint in `qpos`, the index in
 /// `qvel`, and the coefficient.
@@ -16,6 +19,12 @@ fn parts(m: &Model, tendon: usize) -> impl Iterator<Item = (usize, usize, f64)> 
         let joint = m.wrap_objid[w] as usize;
         (m.jnt_qposadr[joint], m.jnt_dofadr[joint], m.wrap_prm[w])
     })
+}
+
+/// Returns the moment arm of a fixed tendon for a degree of freedom.
+fn moment(m: &Model, tendon: usize, column: usize) -> f64 {
+    let own = parts(m, tendon).filter(|&(_, dof, _)| dof == column);
+    own.fold(0.0, |sum, (.., coefficient)| sum + coefficient)
 }
 
 /// Whether worlds that step together can compute the tendon springs of the model.
@@ -44,14 +53,90 @@ pub(super) fn inputs(m: &Model) -> usize {
     if m.plan().steady { 0 } else { m.nu() }
 }
 
+/// Whether a tendon passes sites only.
+pub(super) fn is_plain(m: &Model, tendon: usize) -> bool {
+    let first = m.tendon_adr[tendon];
+    let parts = &m.wrap_type[first..first + m.tendon_num[tendon]];
+    parts.iter().all(|part| *part == WrapType::Site)
+}
+
 impl Arrays {
+    /// Returns the length of a tendon, which is fixed or passes sites only.
     #[inline(always)]
-    fn tendon_length<S: Simd>(&self, m: &Model, at: At<S>, tendon: usize) -> Lanes<S> {
+    pub(super) fn tendon_length<S: Simd>(&self, m: &Model, at: At<S>, tendon: usize) -> Lanes<S> {
         let mut length = same(at, 0.0);
+        if !m.plan().paths.fixed[tendon] {
+            let first = m.tendon_adr[tendon];
+            let sites = &m.wrap_objid[first..first + m.tendon_num[tendon]];
+            for ends in sites.windows(2) {
+                let [begin, end] = [ends[0], ends[1]].map(
+                    #[inline(always)]
+                    |site| number::get::<Lanes<S>, 3>(at, &self.site_xpos[site as usize]),
+                );
+                let apart = sub(begin, end);
+                length = length + dot(apart, apart).sqrt();
+            }
+            return length;
+        }
         for (q, _, coefficient) in parts(m, tendon) {
             length = length + load::<S>(at, &self.qpos[q]) * coefficient;
         }
         length
+    }
+
+    /// Appends the degrees of freedom that move a tendon, which is fixed or passes sites only, each
+    /// with its moment arm.
+    #[inline(always)]
+    pub(super) fn tendon_arms<S: Simd>(
+        &self,
+        m: &Model,
+        at: At<S>,
+        tendon: usize,
+        arms: &mut Moved,
+    ) {
+        let (paths, plan) = (&m.plan().paths, m.plan());
+        let first = m.tendon_adr[tendon];
+        let sites = &m.wrap_objid[first..first + m.tendon_num[tendon]];
+        for &column in &paths.columns[paths.rows[tendon].clone()] {
+            let mut arm: Lanes<S> = same(at, 0.0);
+            if paths.fixed[tendon] {
+                arm = same(at, moment(m, tendon, column));
+            }
+            let segments = if paths.fixed[tendon] {
+                0
+            } else {
+                sites.len() - 1
+            };
+            for ends in sites.windows(2).take(segments) {
+                let ends = [ends[0] as usize, ends[1] as usize];
+                let bodies = ends.map(|site| m.site_bodyid[site]);
+                let moves = bodies.map(|body| plan.chain(body).contains(&column));
+                if bodies[0] == bodies[1] || moves == [false; 2] {
+                    continue;
+                }
+                let points = ends.map(
+                    #[inline(always)]
+                    |site| number::get::<Lanes<S>, 3>(at, &self.site_xpos[site]),
+                );
+                let axis = number::get::<Lanes<S>, 6>(at, &self.cdof[column]);
+                let (moved,) = (
+                    #[inline(always)]
+                    |k: usize| {
+                        if !moves[k] {
+                            return number::of(at, [0.0; 3]);
+                        }
+                        let com = &self.subtree_com[m.body_rootid[bodies[k]]];
+                        let offset = sub(points[k], number::get(at, com));
+                        add(translation(&axis), cross(rotation(&axis), offset))
+                    },
+                );
+                let (direction, _) = unit(at, sub(points[1], points[0]));
+                arm = arm + dot(sub(moved(1), moved(0)), direction);
+            }
+            let mut cells = [PerWorld::ZERO; 4];
+            store(at, &mut cells[0], arm);
+            arms.push((column, cells));
+        }
     }
 
     /// Computes the lengths and velocities of the tendons.
@@ -63,9 +148,8 @@ impl Arrays {
             store(at, &mut self.ten_length[t], length);
             let mut velocity = same(at, 0.0);
             for &column in &paths.columns[paths.rows[t].clone()] {
-                let own = parts(m, t).filter(|&(_, dof, _)| dof == column);
-                let moment: f64 = own.fold(0.0, |sum, (.., coefficient)| sum + coefficient);
-                velocity = velocity + load::<S>(at, &self.qvel[column]) * moment;
+                let moved = load::<S>(at, &self.qvel[column]) * moment(m, t, column);
+                velocity = velocity + moved;
             }
             store(at, &mut self.ten_velocity[t], velocity);
         }

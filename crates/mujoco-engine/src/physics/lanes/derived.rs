@@ -36,6 +36,8 @@ impl Stride {
 pub enum Derived {
     /// [`Data::xpos`].
     Xpos,
+    /// [`Data::xquat`].
+    Xquat,
     /// [`Data::xmat`].
     Xmat,
     /// [`Data::xipos`].
@@ -69,6 +71,7 @@ impl Derived {
     pub(super) fn len(self, m: &Model) -> usize {
         match self {
             Self::Xpos | Self::Xipos => 3 * m.nbody(),
+            Self::Xquat => 4 * m.nbody(),
             Self::Xmat => 9 * m.nbody(),
             Self::GeomXpos => 3 * m.ngeom(),
             Self::GeomXmat => 9 * m.ngeom(),
@@ -84,6 +87,7 @@ impl Derived {
     pub(super) fn of(self, a: &Arrays) -> &[PerWorld] {
         match self {
             Self::Xpos => a.xpos.as_flattened(),
+            Self::Xquat => a.xquat.as_flattened(),
             Self::Xmat => a.xmat.as_flattened(),
             Self::Xipos => a.xipos.as_flattened(),
             Self::GeomXpos => a.geom_xpos.as_flattened(),
@@ -103,6 +107,7 @@ impl Derived {
     pub(crate) fn of_data(self, d: &mut Data) -> &mut [f64] {
         match self {
             Self::Xpos => d.xpos.as_flattened_mut(),
+            Self::Xquat => d.xquat.as_flattened_mut(),
             Self::Xmat => d.xmat.as_flattened_mut(),
             Self::Xipos => d.xipos.as_flattened_mut(),
             Self::GeomXpos => d.geom_xpos.as_flattened_mut(),
@@ -129,8 +134,9 @@ impl Derived {
     }
 
     /// All arrays except the tendons' and `sensordata`.
-    pub(crate) const ALL: [Self; 11] = [
+    pub(crate) const ALL: [Self; 12] = [
         Self::Xpos,
+        Self::Xquat,
         Self::Xmat,
         Self::Xipos,
         Self::GeomXpos,

@@ -2,9 +2,9 @@
 
 use fearless_simd::Level;
 
-use super::{Stride, actuators, sensors};
+use super::{Derived, Stride, actuators, sensors};
 use crate::Model;
-use crate::model::{Integrator, JointType, Solver};
+use crate::model::{Equality, EqualityType, Integrator, JointType, Solver};
 
 /// Returns the number of worlds per vector register. Returns `None` if the CPU has no fused
 /// multiply-add or fewer than four numbers per register, or without the feature `lanes`.
@@ -22,9 +22,9 @@ pub(crate) fn width(level: Level) -> Option<usize> {
     None
 }
 
-/// Whether worlds of this model can step together. The stages of this module support one tree of
-/// slides and hinges, optionally on a free joint, motors and servos on joints and fixed tendons,
-/// limits, and contacts with pyramidal cones.
+/// Whether worlds of this model can step together. The stages of this module support slides, hinges
+/// and free joints, and motors and servos on joints and fixed tendons. Models whose
+/// [rows](makes_rows) have stages solve together too; worlds of others solve one by one.
 pub(crate) fn fits(m: &Model, stride: &Stride) -> bool {
     let plan = m.plan();
     let joints = (0..m.njnt()).all(|j| match m.jnt_type[j] {
@@ -32,16 +32,19 @@ pub(crate) fn fits(m: &Model, stride: &Stride) -> bool {
         JointType::Free => m.jnt_stiffness[j] == 0.0,
         JointType::Ball => false,
     });
-    let bounds = plan.bounds();
+    let of_bodies =
+        |equality: &Equality| matches!(equality.kind, EqualityType::Connect | EqualityType::Weld);
+    let between_sites = |tendon: usize| plan.paths.fixed[tendon] || actuators::is_plain(m, tendon);
+    let pulls = plan.constraints.pulls_tendons();
     joints
         && !plan.sparse
-        && m.ntree() == 1
+        && m.ntree() > 0
         && m.na() == 0
-        && matches!(m.opt.solver, Solver::Newton | Solver::PGS)
         && matches!(m.opt.integrator, Integrator::Euler | Integrator::RK4)
-        && m.opt.impratio == 1.0
-        && m.opt.noslip_iterations == 0
-        && plan.inequalities_only
+        && !plan.constraints.equalities.iter().any(of_bodies)
+        && (!pulls || (0..m.ntendon()).all(between_sites))
+        // such tendons push bodies
+        && !(plan.paths.fixed.contains(&false) && stride.reads.contains(&Derived::CfrcExt))
         && (plan.steady || plan.servos)
         && (stride.settles || !plan.measures)
         && sensors::fit(m, stride.sensors())
@@ -49,11 +52,24 @@ pub(crate) fn fits(m: &Model, stride: &Stride) -> bool {
         && !plan.tendon_armature
         && !plan.surfaces
         && actuators::fit(m)
-        && plan.constraints.tendon_limits.is_empty()
         && plan.boxes.iter().all(|(_, edges)| edges.is_some())
+}
+
+/// Whether the constraint rows of several worlds are made together: limits of joints and tendons, and
+/// contacts with pyramidal cones.
+pub(super) fn makes_rows(m: &Model) -> bool {
+    let plan = m.plan();
+    let trees = match m.opt.solver {
+        Solver::Newton => 64,
+        Solver::PGS => 1,
+        Solver::CG => 0,
+    };
+    (1..=trees).contains(&m.ntree())
+        && m.opt.impratio == 1.0
+        && m.opt.noslip_iterations == 0
+        && plan.inequalities_only
         && plan
             .pairs
             .iter()
             .all(|pair| pair.dim <= 3 && pair.friction[0] == pair.friction[1])
-        && (!bounds.exceeded || m.opt.solver == Solver::PGS)
 }

@@ -5,10 +5,10 @@
 //! would not use the CPU's vector instructions in the function.
 
 mod actuators;
+mod alone;
 mod arrays;
 mod derived;
 mod fits;
-mod gauss_seidel;
 mod group;
 mod newton;
 mod per_world;
@@ -21,10 +21,10 @@ mod worlds;
 use fearless_simd::{Level, Simd};
 use gym_numerics::math::{Lanes, Real};
 
+use self::alone::Alone;
 pub(crate) use self::arrays::Arrays;
 pub use self::derived::{Derived, Stride};
 pub(crate) use self::fits::{fits, width};
-use self::gauss_seidel::GaussSeidel;
 pub use self::group::Group;
 use self::newton::Newton;
 use self::per_world::{At, copy, load, same, store};
@@ -43,8 +43,8 @@ pub(crate) struct Batch {
     arrays: Arrays,
     rows: Rows,
     newton: Newton,
-    /// The solver of models that use projected Gauss-Seidel.
-    gauss_seidel: Option<GaussSeidel>,
+    /// The solver of models whose worlds solve one by one.
+    alone: Option<Alone>,
     /// [`Stride::settles`], and the number of elements of `sensordata` that a step computes.
     settles: bool,
     sensors: usize,
@@ -80,10 +80,11 @@ impl Batch {
     /// Allocates worlds whose steps are of the kind `stride`.
     pub(crate) fn new(m: &Model, stride: &Stride) -> Self {
         let sensors = stride.sensors();
+        let solves = fits::makes_rows(m) && m.opt.solver == Solver::Newton;
         let keeps = stride.reads.contains(&Derived::CfrcExt) || sensors::touch(m, sensors);
         Self {
             arrays: Arrays::new(m),
-            rows: Rows::new(m, keeps),
+            rows: Rows::new(m, keeps, !fits::makes_rows(m)),
             settles: stride.settles,
             sensors,
             reads_frames: stride.reads.iter().any(|array| {
@@ -92,8 +93,12 @@ impl Batch {
                     Derived::GeomXpos | Derived::GeomXmat | Derived::SiteXpos
                 )
             }),
-            newton: Newton::new(m),
-            gauss_seidel: (m.opt.solver == Solver::PGS).then(|| GaussSeidel::new(m)),
+            newton: if solves {
+                Newton::new(m)
+            } else {
+                Newton::default()
+            },
+            alone: (!solves).then(|| Alone::new(m)),
             cfrc_ext: vec![[0.0; 6]; m.nbody()],
             diverged: 0,
         }
@@ -143,8 +148,8 @@ impl Batch {
 
     /// Returns the forces of the constraint rows.
     fn forces_of_rows(&self) -> &[PerWorld] {
-        match &self.gauss_seidel {
-            Some(gauss_seidel) => &gauss_seidel.force,
+        match &self.alone {
+            Some(alone) => &alone.force,
             None => self.newton.forces(),
         }
     }
@@ -293,7 +298,7 @@ impl Batch {
             arrays,
             rows,
             newton,
-            gauss_seidel,
+            alone,
             ..
         } = self;
         simd.vectorize(
@@ -303,10 +308,8 @@ impl Batch {
                 rows.reference(m, at, &arrays.qvel);
             },
         );
-        if rows.used > 0
-            && let Some(gauss_seidel) = gauss_seidel
-        {
-            gauss_seidel.solve(m, at, arrays, rows);
+        if let Some(alone) = alone {
+            alone.solve(m, at, arrays, rows);
         } else if rows.used > 0 {
             newton.solve(m, at, arrays, rows, live);
         } else {

@@ -1,21 +1,22 @@
 //! Newton's method for several worlds at once: [`newton`](crate::physics::solver::newton), for
-//! models with one tree whose only constraints are limits and pyramidal contacts. Such rows only
-//! push.
+//! models whose only constraints are limits and pyramidal contacts. Such rows only push.
 //!
 //! All worlds iterate together. A world that has converged keeps its accelerations. Quantities
 //! derived from the accelerations are computed again, with the same result.
 
+mod hessian;
+mod islands;
 mod search;
 
 use fearless_simd::Simd;
 use gym_numerics::math::{Lanes, Real};
 
+use self::islands::{Islands, Part};
 use super::rows::{Rows, worlds};
-use super::tree::{cholesky, cholesky_solve, cholesky_update, dot, multiply, solve};
+use super::tree::{cholesky_solve, dot};
 use super::{Arrays, At, PerWorld, WORLDS, load, same, store};
 use crate::Model;
-use crate::math::spatial::MINVAL;
-use crate::model::{Disable, Solver};
+use crate::model::Disable;
 use crate::physics::solver::line_search;
 
 type Mask<S> = <Lanes<S> as Real>::Mask;
@@ -49,6 +50,9 @@ pub(super) struct Newton {
     /// For each world, the rows that became active or inactive in this iteration.
     changed: [Vec<usize>; WORLDS],
     line: Vec<line_search::Row>,
+    /// `qfrc_smooth` of an island.
+    smooth: Vec<PerWorld>,
+    islands: Islands,
 }
 
 #[cfg(test)]
@@ -71,10 +75,12 @@ impl Newton {
             &mut self.hessian,
             &mut self.again,
             &mut self.pushed,
+            &mut self.smooth,
         ] {
             vector.poison();
         }
         self.costs.poison();
+        self.islands.poison();
     }
 }
 
@@ -105,6 +111,7 @@ macro_rules! by_four {
         }
     };
 }
+use by_four;
 
 /// Returns elements `first..first + K` of the sum of all vectors, each times its factor.
 #[inline(always)]
@@ -131,13 +138,9 @@ type Found = [PerWorld; 2];
 
 impl Newton {
     pub(super) fn new(m: &Model) -> Self {
-        if m.opt.solver != Solver::Newton {
-            return Self::default();
-        }
-        let (nv, rows) = (m.nv(), m.plan().bounds().rows);
+        let (nv, rows) = (m.nv(), m.plan().bounds().rows_of_worlds());
         let dofs = || vec![PerWorld::ZERO; nv];
-        let of_rows = || vec![PerWorld::ZERO; rows];
-        Self {
+        let mut buffers = Self {
             acc: dofs(),
             ma: dofs(),
             grad: dofs(),
@@ -146,23 +149,36 @@ impl Newton {
             mv: dofs(),
             constraint: dofs(),
             row_update: dofs(),
-            jar: of_rows(),
-            jv: of_rows(),
-            force: of_rows(),
-            pushes: of_rows(),
-            costs: vec![[PerWorld::ZERO; 4]; rows],
+            smooth: dofs(),
+            islands: Islands::new(m),
             hessian: vec![PerWorld::ZERO; nv * nv],
             again: vec![PerWorld::ZERO; nv * nv],
-            pushed: vec![PerWorld::ZERO; rows * nv],
             pushing: Vec::with_capacity(rows),
             changed: std::array::from_fn(|_| Vec::with_capacity(rows)),
             line: Vec::with_capacity(rows),
+            ..Self::default()
+        };
+        buffers.reserve(nv, rows);
+        buffers
+    }
+
+    /// Makes room for `rows` rows.
+    fn reserve(&mut self, nv: usize, rows: usize) {
+        for numbers in [
+            &mut self.jar,
+            &mut self.jv,
+            &mut self.force,
+            &mut self.pushes,
+        ] {
+            numbers.resize(rows, PerWorld::ZERO);
         }
+        self.costs.resize(rows, [PerWorld::ZERO; 4]);
+        self.pushed.resize(rows * nv, PerWorld::ZERO);
     }
 
     /// Returns the forces of the constraint rows.
     pub(super) fn forces(&self) -> &[PerWorld] {
-        &self.force
+        self.islands.forces().unwrap_or(&self.force)
     }
 
     /// Computes `qacc` and `qfrc_constraint` of all worlds that have rows.
@@ -176,6 +192,9 @@ impl Newton {
         live: u64,
     ) {
         let simd = at.0;
+        if self.jar.len() < rows.used {
+            self.reserve(m.nv(), rows.d.len());
+        }
         let mut has = PerWorld::ZERO;
         for world in worlds(live, at.1) {
             has.0[world] = f64::from(rows.count[world] > 0);
@@ -184,7 +203,14 @@ impl Newton {
             #[inline(always)]
             || self.start(m, at, a, rows),
         );
-        self.iterate(m, at, a, rows, &has);
+        if m.ntree() > 1 {
+            self.solve_islands(m, at, a, rows, &has);
+            return;
+        }
+        let whole = std::mem::take(&mut self.islands.whole);
+        self.smooth.copy_from_slice(&a.qfrc_smooth);
+        self.iterate(m, at, a, rows, &whole, &has);
+        self.islands.whole = whole;
         simd.vectorize(
             #[inline(always)]
             || {
@@ -208,7 +234,9 @@ impl Newton {
         // `jv` holds the residuals without constraints here; later it holds `J search`
         rows.multiply(n, at, &a.qacc_smooth, Some(&rows.aref), &mut self.jv);
         rows.multiply(n, at, &a.warm, Some(&rows.aref), &mut self.jar);
-        multiply(m, at, &a.qm, &a.warm, &mut self.ma);
+        self.islands
+            .whole
+            .multiply(m, at, &a.qm, &a.warm, &mut self.ma);
         let (cost,) = (
             #[inline(always)]
             |jar: &[PerWorld]| {
@@ -235,7 +263,9 @@ impl Newton {
             store(at, &mut self.acc[i], Lanes::select(cold, smooth, warm));
         }
         if Lanes::<S>::any(cold) {
-            multiply(m, at, &a.qm, &self.acc, &mut self.ma);
+            self.islands
+                .whole
+                .multiply(m, at, &a.qm, &self.acc, &mut self.ma);
         }
         for (row, smooth) in self.jv[..rows.used].iter().enumerate() {
             let jar = Lanes::select(cold, load(at, smooth), load(at, &self.jar[row]));
@@ -246,8 +276,16 @@ impl Newton {
     }
 
     #[inline(always)]
-    fn iterate<S: Simd>(&mut self, m: &Model, at: At<S>, a: &Arrays, rows: &Rows, has: &PerWorld) {
-        let (simd, n) = (at.0, m.nv());
+    fn iterate<S: Simd>(
+        &mut self,
+        m: &Model,
+        at: At<S>,
+        a: &Arrays,
+        rows: &Rows,
+        part: &Part,
+        has: &PerWorld,
+    ) {
+        let simd = at.0;
         let mut control = Control {
             active: *has,
             ..Control::default()
@@ -258,13 +296,13 @@ impl Newton {
                 || {
                     if control.iteration == 0 {
                         let mut inertia = same::<S>(at, 0.0);
-                        for i in 0..n {
+                        for (i, _) in part.dofs() {
                             inertia = inertia + load(at, &a.qm[m.plan().m_diagonal(i)]);
                         }
                         store(at, &mut control.scale, inertia.same(1.0) / inertia);
                     }
-                    self.update(m, at, a, rows);
-                    self.check(m, at, a, &mut control)
+                    self.update(at, rows, part.n);
+                    self.check(m, at, a, part, &mut control)
                 },
             );
             if !go_on {
@@ -273,24 +311,24 @@ impl Newton {
             if control.iteration == 0 {
                 simd.vectorize(
                     #[inline(always)]
-                    || self.make_hessian(m, at, a, rows, None),
+                    || self.make_hessian(m, at, a, (rows, part), None),
                 );
             } else {
                 let mut again = PerWorld::ZERO;
                 let anew = simd.vectorize(
                     #[inline(always)]
-                    || self.update_hessian(m, at, rows, &control.active, &mut again),
+                    || self.update_hessian(at, (rows, part.n), &control.active, &mut again),
                 );
                 if anew {
                     simd.vectorize(
                         #[inline(always)]
-                        || self.make_hessian(m, at, a, rows, Some(&again)),
+                        || self.make_hessian(m, at, a, (rows, part), Some(&again)),
                     );
                 }
             }
             let go_on = simd.vectorize(
                 #[inline(always)]
-                || self.direction(m, at, &mut control),
+                || self.direction(m, at, part.n, &mut control),
             );
             if !go_on {
                 return;
@@ -298,7 +336,7 @@ impl Newton {
             let mut found = [PerWorld::ZERO; 2];
             let stuck = simd.vectorize(
                 #[inline(always)]
-                || self.search(m, at, a, rows, &control, &mut found),
+                || self.search(m, at, a, (rows, part), &control, &mut found),
             );
             self.finish_search(m, rows, stuck, &mut found, at.1);
             let go_on = simd.vectorize(
@@ -313,8 +351,8 @@ impl Newton {
 
     /// Computes the forces of the rows, the resulting forces on the joints, and the gradient.
     #[inline(always)]
-    fn update<S: Simd>(&mut self, m: &Model, at: At<S>, a: &Arrays, rows: &Rows) {
-        let (n, zero) = (m.nv(), same::<S>(at, 0.0));
+    fn update<S: Simd>(&mut self, at: At<S>, rows: &Rows, n: usize) {
+        let zero = same::<S>(at, 0.0);
         for row in 0..rows.used {
             let jar = load(at, &self.jar[row]);
             let force = -load::<S>(at, &rows.d[row]) * jar;
@@ -327,7 +365,7 @@ impl Newton {
             let sums = sums::<S, K>(at, first, terms);
             for (i, sum) in (first..).zip(sums) {
                 store(at, &mut self.constraint[i], sum);
-                let grad = load::<S>(at, &self.ma[i]) - load(at, &a.qfrc_smooth[i]) - sum;
+                let grad = load::<S>(at, &self.ma[i]) - load(at, &self.smooth[i]) - sum;
                 store(at, &mut self.grad[i], grad);
             }
         });
@@ -335,8 +373,8 @@ impl Newton {
 
     /// Returns the scaled reduction of the cost that a full Newton step predicts.
     #[inline(always)]
-    fn decrement<S: Simd>(&self, at: At<S>, scale: Lanes<S>) -> Lanes<S> {
-        let x = scale * 0.5 * dot(at, &self.grad, &self.mgrad);
+    fn decrement<S: Simd>(&self, at: At<S>, n: usize, scale: Lanes<S>) -> Lanes<S> {
+        let x = scale * 0.5 * dot(at, &self.grad[..n], &self.mgrad[..n]);
         let zero = x.same(0.0);
         Lanes::select(x.gt(zero), x, zero)
     }
@@ -344,11 +382,19 @@ impl Newton {
     /// Stops worlds with a small gradient or a small last improvement. Returns whether any world
     /// continues.
     #[inline(always)]
-    fn check<S: Simd>(&mut self, m: &Model, at: At<S>, a: &Arrays, control: &mut Control) -> bool {
+    fn check<S: Simd>(
+        &mut self,
+        m: &Model,
+        at: At<S>,
+        a: &Arrays,
+        part: &Part,
+        control: &mut Control,
+    ) -> bool {
+        let grad = &self.grad[..part.n];
         let tolerance = same(at, m.opt.tolerance);
         let (scale, zero) = (load::<S>(at, &control.scale), same(at, 0.0));
         let active: Mask<S> = load::<S>(at, &control.active).gt(zero);
-        let length = dot(at, &self.grad, &self.grad).sqrt();
+        let length = dot(at, grad, grad).sqrt();
         let level = (scale * length).lt(tolerance);
         let stop = if control.iteration > 0 {
             let improvement = load(at, &control.improvement);
@@ -357,12 +403,12 @@ impl Newton {
             if Lanes::<S>::any(active & level) {
                 // half of the gradient's square, in the norm of `M^-1`, bounds the possible
                 // improvement
-                self.mgrad.copy_from_slice(&self.grad);
-                solve(m, at, &a.qld, &a.qld_diag_inv, &mut self.mgrad);
+                self.mgrad[..part.n].copy_from_slice(grad);
+                part.solve(m, at, a, &mut self.mgrad);
             }
             let one = zero.same(1.0);
             store(at, &mut control.level, Lanes::select(level, one, zero));
-            level & self.decrement(at, scale).lt(tolerance)
+            level & self.decrement(at, part.n, scale).lt(tolerance)
         };
         control.keep(at, Lanes::<S>::but_not(active, stop))
     }
@@ -370,144 +416,29 @@ impl Newton {
     /// Computes the search direction. Stops worlds with a small predicted improvement. Returns
     /// whether any world continues.
     #[inline(always)]
-    fn direction<S: Simd>(&mut self, m: &Model, at: At<S>, control: &mut Control) -> bool {
-        let n = m.nv();
-        self.mgrad.copy_from_slice(&self.grad);
+    fn direction<S: Simd>(
+        &mut self,
+        m: &Model,
+        at: At<S>,
+        n: usize,
+        control: &mut Control,
+    ) -> bool {
+        self.mgrad[..n].copy_from_slice(&self.grad[..n]);
         let descending = m.revision.substitutes_by_columns();
         cholesky_solve(at, n, &self.hessian, &mut self.mgrad, descending);
         if control.iteration == m.opt.iterations {
             return false;
         }
         let (scale, zero) = (load::<S>(at, &control.scale), same(at, 0.0));
-        let mut small = self.decrement(at, scale).lt(same(at, m.opt.tolerance));
+        let mut small = self.decrement(at, n, scale).lt(same(at, m.opt.tolerance));
         if control.iteration == 0 {
             small &= load::<S>(at, &control.level).gt(zero);
         }
-        for (search, mgrad) in self.search.iter_mut().zip(&self.mgrad) {
+        for (search, mgrad) in self.search[..n].iter_mut().zip(&self.mgrad) {
             store(at, search, load::<S>(at, mgrad) * -1.0);
         }
         let active: Mask<S> = load::<S>(at, &control.active).gt(zero);
         control.keep(at, Lanes::<S>::but_not(active, small))
-    }
-
-    /// Builds and factors the Hessian of the cost: for the worlds in `which`, or for all worlds.
-    #[inline(always)]
-    fn make_hessian<S: Simd>(
-        &mut self,
-        m: &Model,
-        at: At<S>,
-        a: &Arrays,
-        rows: &Rows,
-        which: Option<&PerWorld>,
-    ) {
-        let (n, plan, zero) = (m.nv(), m.plan(), same::<S>(at, 0.0));
-        self.pushing.clear();
-        for row in 0..rows.used {
-            let pushes = load::<S>(at, &self.pushes[row]).gt(zero);
-            if !Lanes::<S>::any(pushes) {
-                continue;
-            }
-            let d = Lanes::select(pushes, load(at, &rows.d[row]), zero);
-            let place = self.pushing.len() * n;
-            let jac = &rows.jac[row * n..(row + 1) * n];
-            for (pushed, jac) in self.pushed[place..place + n].iter_mut().zip(jac) {
-                store(at, pushed, load::<S>(at, jac) * d);
-            }
-            self.pushing.push(row);
-        }
-        let into = if which.is_some() {
-            &mut self.again
-        } else {
-            &mut self.hessian
-        };
-        for (i, column) in into.chunks_exact_mut(n).enumerate() {
-            let mut first = i;
-            by_four!(n, first, K => {
-                let pushing = self.pushing.iter().zip(self.pushed.chunks_exact(n));
-                let terms = pushing.map(
-                    #[inline(always)]
-                    |(&row, pushed)| (pushed, &rows.jac[row * n + i]),
-                );
-                let sums = sums::<S, K>(at, first, terms);
-                for (x, sum) in column[first..].iter_mut().zip(sums) {
-                    store(at, x, sum);
-                }
-            });
-        }
-        // as in MuJoCo, add the inertia matrix last
-        for dof in 0..n {
-            let row = plan.m_row(dof);
-            for (&column, value) in plan.m_colind[row.clone()].iter().zip(&a.qm[row]) {
-                let x = &mut into[column * n + dof];
-                store(at, x, load::<S>(at, x) + load(at, value));
-            }
-        }
-        cholesky(at, n, into, MINVAL);
-        if let Some(which) = which {
-            let which: Mask<S> = load::<S>(at, which).gt(zero);
-            for (x, again) in self.hessian.iter_mut().zip(&self.again) {
-                store(at, x, Lanes::select(which, load(at, again), load(at, x)));
-            }
-        }
-    }
-
-    /// Updates the factors for the rows that began or ceased to push. Returns whether any world
-    /// needs a new factorisation; `again` marks these worlds.
-    #[inline(always)]
-    fn update_hessian<S: Simd>(
-        &mut self,
-        m: &Model,
-        at: At<S>,
-        rows: &Rows,
-        active: &PerWorld,
-        again: &mut PerWorld,
-    ) -> bool {
-        let (n, zero) = (m.nv(), same::<S>(at, 0.0));
-        let (one, first) = (zero.same(1.0), at.1);
-        let active: Mask<S> = load::<S>(at, active).gt(zero);
-        for world in first..first + Lanes::<S>::LANES {
-            self.changed[world].clear();
-        }
-        let mut most = 0;
-        for row in 0..rows.used {
-            let pushes = load::<S>(at, &self.jar[row]).lt(zero);
-            let before = load::<S>(at, &self.pushes[row]).gt(zero);
-            let changed = Lanes::<S>::but_not(pushes, before) | Lanes::<S>::but_not(before, pushes);
-            let changed = Lanes::<S>::bits(changed & active);
-            if changed != 0 {
-                let pushes = Lanes::select(pushes, one, zero);
-                let pushes = Lanes::select(active, pushes, load(at, &self.pushes[row]));
-                store(at, &mut self.pushes[row], pushes);
-                for world in worlds(changed, first) {
-                    self.changed[world].push(row);
-                    most = most.max(self.changed[world].len());
-                }
-            }
-        }
-        let mut indefinite = zero.lt(zero);
-        // in each round, update every world for its next changed row
-        for round in 0..most {
-            let (mut which, mut adds) = (PerWorld::ZERO, PerWorld::ZERO);
-            for world in first..first + Lanes::<S>::LANES {
-                let Some(&row) = self.changed[world].get(round) else {
-                    continue;
-                };
-                which.0[world] = 1.0;
-                adds.0[world] = self.pushes[row].0[world];
-                let root = rows.d[row].0[world].sqrt();
-                let jac = &rows.jac[row * n..(row + 1) * n];
-                for (x, jac) in self.row_update.iter_mut().zip(jac) {
-                    x.0[world] = jac.0[world] * root;
-                }
-            }
-            let which = load::<S>(at, &which).gt(zero);
-            let adds = load::<S>(at, &adds).gt(zero);
-            let masks = (Lanes::<S>::but_not(which, indefinite), adds);
-            let (factor, x) = (&mut self.hessian, &mut self.row_update);
-            indefinite |= cholesky_update(at, n, factor, x, masks, MINVAL);
-        }
-        store(at, again, Lanes::select(indefinite, one, zero));
-        Lanes::<S>::any(indefinite)
     }
 
     /// Moves each active world along its search direction. Returns whether any world continues.

@@ -11,12 +11,15 @@ use super::tree::dot;
 use super::{Arrays, At, PerWorld, WORLDS, load, same, store};
 use crate::math::number;
 use crate::math::spatial::{add, column, scale};
-use crate::model::{GeomType, Pair};
+use crate::model::{GeomType, Pair, Softness};
 use crate::physics::collision::{
     Places, Polytope, ROUNDING, above_plane, contact_at, frame, touch,
 };
 use crate::physics::rows::{contact_jacobian, pyramid, regularization};
 use crate::{Contact, Model};
+
+/// Degrees of freedom, each with its column of the Jacobian of a constraint.
+pub(super) type Moved = Vec<(usize, [PerWorld; 4])>;
 
 /// The constraint rows of all worlds.
 #[derive(Clone, Debug, Default)]
@@ -31,18 +34,25 @@ pub(super) struct Rows {
     /// The reference acceleration is `-damping * velocity - rest`.
     damping: Vec<PerWorld>,
     rest: Vec<PerWorld>,
+    /// The trees on which each row acts: a bit for each tree, in each world.
+    pub(super) trees: Vec<[u64; WORLDS]>,
     /// The number of rows of each world.
     pub(super) count: [usize; WORLDS],
     /// The largest element of `count`.
     pub(super) used: usize,
-    /// The active contacts of each world. Contacts with planes are listed only if `keeps` is true.
+    /// The active contacts of each world. Contacts with planes are listed only if `keeps` or `lists`
+    /// is true.
     pub(super) contacts: [Vec<Contact>; WORLDS],
+    /// Whether [`make`](Self::make) only finds contacts, because each world makes rows of its own.
+    pub(super) lists: bool,
+    /// A bit for each world in the register: 1 if it may have rows. Only if `lists` is true.
+    pub(super) touched: u64,
     /// Whether the environment reads contact forces after a step.
     keeps: bool,
     polytope: Polytope,
-    /// A buffer: the degrees of freedom that move a contact, each with its column of the contact's
+    /// A buffer: the degrees of freedom that move a contact or a tendon, each with its column of the
     /// Jacobian.
-    moved: Vec<(usize, [PerWorld; 4])>,
+    moved: Moved,
 }
 
 /// Iterates over the worlds whose bits are set in `bits`. Bit 0 is world `first`.
@@ -60,24 +70,27 @@ pub(super) fn worlds(mut bits: u64, first: usize) -> impl Iterator<Item = usize>
 
 impl Rows {
     /// Allocates the rows. `keeps` is true if the environment reads contact forces after a step.
-    pub(super) fn new(m: &Model, keeps: bool) -> Self {
+    pub(super) fn new(m: &Model, keeps: bool, lists: bool) -> Self {
         let (bounds, nv) = (m.plan().bounds(), m.nv());
         let mut buffers = Self {
             contacts: std::array::from_fn(|_| Vec::with_capacity(bounds.contacts)),
             moved: Vec::with_capacity(nv),
             keeps,
+            lists,
             polytope: Polytope::new(m.plan().deep),
             ..Self::default()
         };
-        // of many rows, few are used
-        buffers.reserve(nv, if bounds.exceeded { 0 } else { bounds.rows });
+        if !lists {
+            buffers.reserve(nv, bounds.rows_of_worlds());
+        }
         buffers
     }
 
     /// Makes room for `rows` rows.
     #[cold]
-    fn reserve(&mut self, nv: usize, rows: usize) {
+    pub(super) fn reserve(&mut self, nv: usize, rows: usize) {
         self.jac.resize(rows * nv, PerWorld::ZERO);
+        self.trees.resize(rows, [0; WORLDS]);
         for column in self.columns() {
             column.resize(rows, PerWorld::ZERO);
         }
@@ -103,7 +116,8 @@ impl Rows {
         ]
     }
 
-    /// Builds the rows of the worlds in `live`: limits, then contacts.
+    /// Builds the rows of the worlds in `live`: limits, then contacts. If `lists` is true, finds the
+    /// contacts, and the worlds that may have rows.
     #[inline(always)]
     pub(super) fn make<S: Simd>(&mut self, m: &Model, at: At<S>, a: &Arrays, live: u64) {
         let (_, first) = at;
@@ -113,27 +127,30 @@ impl Rows {
             self.contacts[world].clear();
         }
         let (plan, nv) = (m.plan(), m.nv());
+        if self.lists {
+            let always = plan.constraints.can_pull();
+            self.touched = if always { live } else { 0 };
+        }
         for limit in &plan.limits {
             let q: Lanes<S> = load(at, &a.qpos[limit.qpos]);
             let [lower, upper] = limit.range;
             for (side, dist) in [(1.0, q - lower), (-1.0, q.same(upper) - q)] {
                 let near = Lanes::<S>::bits(dist.lt(q.same(limit.margin))) & live;
-                if near == 0 {
+                if near == 0 || self.lists {
+                    self.touched |= near;
                     continue;
                 }
                 let mut dists = PerWorld::ZERO;
                 store(at, &mut dists, dist);
                 for world in worlds(near, first) {
-                    let row = self.open(nv, world);
+                    let row = self.open(nv, world, 1 << limit.tree);
                     self.jac[row * nv + limit.dof].0[world] = side;
-                    let (softness, beyond) = (&limit.softness, dists.0[world] - limit.margin);
-                    let (impedance, _) = softness.impedance(dists.0[world], limit.margin);
-                    let r = regularization(impedance, limit.diag);
-                    self.set(row, world, r, softness.damping);
-                    self.rest[row].0[world] = softness.stiffness * impedance * beyond;
+                    let stiff = (&limit.softness, limit.diag);
+                    self.set_limit(row, world, stiff, (dists.0[world], limit.margin));
                 }
             }
         }
+        self.tendon_limits(m, at, a, live);
         for (index, reach) in plan.reaches.iter().enumerate() {
             let [g1, g2] = reach.geom;
             let (part,) = (
@@ -167,11 +184,52 @@ impl Rows {
                 }
             }
         }
+        if self.lists {
+            for world in worlds(live, first) {
+                self.touched |= u64::from(!self.contacts[world].is_empty()) << (world - first);
+            }
+        }
     }
 
-    /// Adds a row to a world, and returns its index.
+    /// Adds the rows of the limits of tendons.
     #[inline(always)]
-    fn open(&mut self, nv: usize, world: usize) -> usize {
+    fn tendon_limits<S: Simd>(&mut self, m: &Model, at: At<S>, a: &Arrays, live: u64) {
+        for limit in &m.plan().constraints.tendon_limits {
+            let (t, nv) = (limit.id, m.nv());
+            let (length, margin) = (a.tendon_length::<S>(m, at, t), m.tendon_margin[t]);
+            for (side, bound) in [-1.0, 1.0].into_iter().zip(m.tendon_range[t]) {
+                let dist = (length.same(bound) - length) * side;
+                let near = !Lanes::<S>::bits(length.same(margin).le(dist)) & live;
+                if near == 0 || self.lists {
+                    self.touched |= near;
+                    continue;
+                }
+                let mut dists = PerWorld::ZERO;
+                store(at, &mut dists, dist);
+                let mut moved = std::mem::take(&mut self.moved);
+                moved.clear();
+                a.tendon_arms(m, at, t, &mut moved);
+                for world in worlds(near, at.1) {
+                    let moving = moved.iter().filter(|(_, arm)| arm[0].0[world] != 0.0);
+                    let trees = moving.fold(0, |bits, (dof, _)| bits | 1 << m.dof_treeid[*dof]);
+                    if trees == 0 {
+                        continue;
+                    }
+                    let row = self.open(nv, world, trees);
+                    for (dof, arm) in &moved {
+                        self.jac[row * nv + dof].0[world] = arm[0].0[world] * -side;
+                    }
+                    let stiff = (&limit.softness, limit.diag);
+                    self.set_limit(row, world, stiff, (dists.0[world], margin));
+                }
+                self.moved = moved;
+            }
+        }
+    }
+
+    /// Adds a row to a world, which acts on the trees of these bits. Returns its index.
+    #[inline(always)]
+    fn open(&mut self, nv: usize, world: usize, trees: u64) -> usize {
         let row = self.count[world];
         self.count[world] += 1;
         if row == self.used {
@@ -179,11 +237,13 @@ impl Rows {
                 self.reserve(nv, 2 * row + 32);
             }
             self.jac[row * nv..(row + 1) * nv].fill(PerWorld::ZERO);
+            self.trees[row] = [0; WORLDS];
             for column in self.columns() {
                 column[row] = PerWorld::ZERO;
             }
             self.used += 1;
         }
+        self.trees[row][world] = trees;
         row
     }
 
@@ -200,12 +260,36 @@ impl Rows {
             (4, edge(regularization(impedance, diag)))
         };
         let rest = softness.stiffness * impedance * (dist - pair.includemargin);
+        let trees = pair
+            .trees
+            .iter()
+            .flatten()
+            .fold(0, |bits, tree| bits | 1 << tree);
         for _ in 0..rows {
-            let row = self.open(nv, world);
+            let row = self.open(nv, world, trees);
             self.set(row, world, r, softness.damping);
             self.rest[row].0[world] = rest;
         }
         first
+    }
+
+    /// Sets the numbers of the row of a limit at a distance.
+    #[inline(always)]
+    fn set_limit(
+        &mut self,
+        row: usize,
+        world: usize,
+        (softness, diag): (&Softness, f64),
+        (dist, margin): (f64, f64),
+    ) {
+        let (impedance, _) = softness.impedance(dist, margin);
+        self.set(
+            row,
+            world,
+            regularization(impedance, diag),
+            softness.damping,
+        );
+        self.rest[row].0[world] = softness.stiffness * impedance * (dist - margin);
     }
 
     #[inline(always)]
@@ -270,6 +354,12 @@ impl Rows {
                 continue;
             }
             let frame = frame(at, normal, axis);
+            let mut dists = PerWorld::ZERO;
+            store(at, &mut dists, dist);
+            if self.lists {
+                self.list(at, (pair, index), acting, (&dists, pos, frame));
+                continue;
+            }
             let mu = if pair.dim == 1 { 0.0 } else { pair.friction[0] };
             self.moved.clear();
             let (moved,) = (&mut self.moved,);
@@ -289,27 +379,39 @@ impl Rows {
                     moved.push((dof, cells));
                 },
             );
-            let mut dists = PerWorld::ZERO;
-            store(at, &mut dists, dist);
             let mut rows = [0; WORLDS];
             for world in worlds(acting, at.1) {
                 rows[world] = self.open_contact(nv, pair, dists.0[world], world);
             }
             self.put_jacobian(at, nv, pair, acting, &rows);
             if self.keeps {
-                let (mut points, mut frames) = ([PerWorld::ZERO; 3], [PerWorld::ZERO; 9]);
-                number::put(at, pos, &mut points);
-                number::put(at, frame, &mut frames);
+                self.list(at, (pair, index), acting, (&dists, pos, frame));
                 for world in worlds(acting, at.1) {
-                    let pos = points.each_ref().map(|row| row.0[world]);
-                    let frame = frames.each_ref().map(|row| row.0[world]);
-                    self.contacts[world].push(Contact {
-                        mu,
-                        efc_address: rows[world] as i32,
-                        ..contact_at(pair, index, dists.0[world], pos, frame)
-                    });
+                    if let Some(contact) = self.contacts[world].last_mut() {
+                        (contact.mu, contact.efc_address) = (mu, rows[world] as i32);
+                    }
                 }
             }
+        }
+    }
+
+    /// Lists a contact of the worlds in `acting`, without rows: distance, position and frame.
+    #[inline(always)]
+    fn list<S: Simd>(
+        &mut self,
+        at: At<S>,
+        (pair, index): (&Pair, usize),
+        acting: u64,
+        (dists, pos, frame): (&PerWorld, [Lanes<S>; 3], [Lanes<S>; 9]),
+    ) {
+        let (mut points, mut frames) = ([PerWorld::ZERO; 3], [PerWorld::ZERO; 9]);
+        number::put(at, pos, &mut points);
+        number::put(at, frame, &mut frames);
+        for world in worlds(acting, at.1) {
+            let pos = points.each_ref().map(|row| row.0[world]);
+            let frame = frames.each_ref().map(|row| row.0[world]);
+            let contact = contact_at(pair, index, dists.0[world], pos, frame);
+            self.contacts[world].push(contact);
         }
     }
 
@@ -367,6 +469,9 @@ impl Rows {
         };
         touch(m, index, places, &mut self.polytope, &mut contacts);
         for contact in &mut contacts[first..] {
+            if self.lists {
+                break;
+            }
             if contact.dist >= contact.includemargin || pair.trees == [None, None] {
                 continue;
             }

@@ -3,7 +3,7 @@
 use fearless_simd::Simd;
 use gym_numerics::math::{Lanes, Real};
 
-use super::{Arrays, At, PerWorld, WORLDS, copy, load, same, store, tree};
+use super::{Arrays, At, PerWorld, copy, load, same, store, tree};
 use crate::Model;
 use crate::model::JointType;
 use crate::physics::com::{Inertias, com_pos_of};
@@ -181,30 +181,24 @@ impl Arrays {
     /// which is `way` seconds after the start of the timestep.
     #[inline(always)]
     pub(super) fn stage_rates<S: Simd>(&mut self, m: &Model, at: At<S>, way: f64) {
-        let first = at.1;
         let turns = m.revision.turns_by_stages() && way != 0.0;
-        let free = (0..m.njnt()).filter(|&j| turns && m.jnt_type[j] == JointType::Free);
-        // a free joint's new rates depend on the rates of the stage before: compute them before
-        // `rates` changes, store them at the end
-        let mut turned = [[0.0; 3]; WORLDS];
-        let v = free.map(|j| m.jnt_dofadr[j] + 3).next();
-        if let Some(v) = v {
-            for (world, turned) in turned
-                .iter_mut()
-                .enumerate()
-                .skip(first)
-                .take(<Lanes<S> as Real>::LANES)
-            {
-                let three = |rows: &[PerWorld]| [0, 1, 2].map(|k| rows[v + k].0[world]);
-                let turn = three(&self.rates).map(|rate| rate * way);
-                *turned = rate_of_turn(turn, three(&self.qvel));
+        for (i, &j) in m.dof_jntid.iter().enumerate() {
+            let place = i - m.jnt_dofadr[j];
+            if !turns || m.jnt_type[j] != JointType::Free || place < 3 {
+                let velocity = load::<S>(at, &self.qvel[i]);
+                store(at, &mut self.rates[i], velocity);
+                continue;
             }
-        }
-        copy(at, &self.qvel, &mut self.rates);
-        if let Some(v) = v {
-            for world in first..first + <Lanes<S> as Real>::LANES {
-                for k in 0..3 {
-                    self.rates[v + k].0[world] = turned[world][k];
+            if place > 3 {
+                continue;
+            }
+            // the new rates of turning depend on those of the stage before
+            for world in at.1..at.1 + <Lanes<S> as Real>::LANES {
+                let three = |rows: &[PerWorld]| [0, 1, 2].map(|k| rows[i + k].0[world]);
+                let turn = three(&self.rates).map(|rate| rate * way);
+                let turned = rate_of_turn(turn, three(&self.qvel));
+                for (rate, turned) in self.rates[i..i + 3].iter_mut().zip(turned) {
+                    rate.0[world] = turned;
                 }
             }
         }

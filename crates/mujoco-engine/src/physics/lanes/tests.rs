@@ -36,8 +36,8 @@ impl Batch {
         self.arrays.poison(m);
         self.rows.poison();
         self.newton.poison();
-        if let Some(gauss_seidel) = &mut self.gauss_seidel {
-            gauss_seidel.poison();
+        if let Some(alone) = &mut self.alone {
+            alone.poison();
         }
         crate::physics::work::Poison::poison(&mut self.cfrc_ext);
     }
@@ -148,67 +148,148 @@ fn smooth_stages_have_the_bits_of_one_world() {
 }
 
 /// From the same states, worlds take steps together and alone. Some worlds have no contacts, some
-/// fall, and one diverges.
-#[test]
-fn steps_have_the_bits_of_one_world() {
+/// fall, and one diverges. Returns the number of steps that were taken together.
+fn compare(name: &str, m: &Model, stride: &Stride, numbers: &[usize]) -> usize {
     let mut stepped = 0;
-    for (name, m) in all().filter(|(_, m)| fits(m, &stride())) {
-        for level in levels() {
-            for len in [1, 5, WORLDS] {
-                let mut random = random(3);
-                let mut worlds = Batch::new(&m, &stride());
-                let mut alone: Vec<Data> = (0..len).map(|_| Data::new(&m)).collect();
-                for (world, d) in alone.iter_mut().enumerate() {
-                    for _ in 0..5 * world {
-                        act(d, &mut random);
-                        step(&m, d);
-                    }
+    for level in levels() {
+        for &len in numbers {
+            let mut random = random(3);
+            let mut worlds = Batch::new(m, stride);
+            let mut alone: Vec<Data> = (0..len).map(|_| Data::new(m)).collect();
+            for (world, d) in alone.iter_mut().enumerate() {
+                for _ in 0..5 * world {
+                    act(d, &mut random);
+                    step(m, d);
                 }
-                let mut record = vec![0.0; record_len(&m, &Derived::ALL)];
-                for round in 0..60 {
-                    for (world, d) in alone.iter_mut().enumerate() {
-                        act(d, &mut random);
-                        if round == 40 && world == 1 {
-                            d.qvel[0] = 1e11;
-                        }
-                        let state = [&d.qpos[..], &d.qvel, &d.qacc_warmstart].concat();
-                        crate::physics::fwd_actuation(&m, d);
-                        worlds.gather(world, &[&state[..], &d.qfrc_actuator].concat());
+                // the moment arms of the actuators
+                forward(m, d);
+            }
+            let mut record = vec![0.0; record_len(m, &stride.reads)];
+            for round in 0..60 {
+                if round % 3 == 2 {
+                    worlds.poison(m);
+                }
+                for (world, d) in alone.iter_mut().enumerate() {
+                    act(d, &mut random);
+                    if round == 40 && world == 1 {
+                        d.qvel[0] = 1e11;
                     }
-                    if !worlds.step(&m, level, len, 2) {
-                        break;
+                    let state = [&d.qpos[..], &d.qvel, &d.qacc_warmstart].concat();
+                    crate::physics::fwd_actuation(m, d);
+                    worlds.gather(world, &[&state[..], &d.qfrc_actuator].concat());
+                }
+                if !worlds.step(m, level, len, 2) {
+                    break;
+                }
+                for (world, d) in alone.iter_mut().enumerate() {
+                    step(m, d);
+                    let before = [&d.qpos[..], &d.qvel, &d.qacc_warmstart].concat();
+                    step(m, d);
+                    let state = [&d.qpos[..], &d.qvel, &d.qacc_warmstart].concat();
+                    let fine = worlds.scatter(m, world, &stride.reads, &mut record);
+                    if round == 40 && world == 1 {
+                        assert!(!fine, "{name}");
+                        continue;
                     }
-                    for (world, d) in alone.iter_mut().enumerate() {
-                        step(&m, d);
-                        let before = [&d.qpos[..], &d.qvel, &d.qacc_warmstart].concat();
-                        step(&m, d);
-                        let state = [&d.qpos[..], &d.qvel, &d.qacc_warmstart].concat();
-                        let fine = worlds.scatter(&m, world, &Derived::ALL, &mut record);
-                        if round == 40 && world == 1 {
-                            assert!(!fine, "{name}");
-                            continue;
-                        }
-                        assert!(
-                            fine,
-                            "{name} {level:?}, world {world} of {len}, round {round}"
-                        );
-                        crate::physics::rne_post_constraint(&m, d);
-                        let mut expected = [state, before].concat();
-                        for array in Derived::ALL {
-                            expected.extend_from_slice(array.of_data(d));
-                        }
-                        let bits = |x: &f64| x.to_bits();
-                        assert!(
-                            record.iter().map(bits).eq(expected.iter().map(bits)),
-                            "{name} {level:?}, world {world} of {len}, round {round}"
-                        );
-                        stepped += 1;
+                    let what = format!("{name} {level:?}, world {world} of {len}, round {round}");
+                    assert!(fine, "{what}");
+                    crate::physics::rne_post_constraint(m, d);
+                    let mut expected = [state, before].concat();
+                    for array in &stride.reads {
+                        expected.extend_from_slice(array.of_data(d));
                     }
+                    let bits = |x: &f64| x.to_bits();
+                    assert!(
+                        record.iter().map(bits).eq(expected.iter().map(bits)),
+                        "{what}"
+                    );
+                    stepped += 1;
                 }
             }
         }
     }
+    stepped
+}
+
+#[test]
+fn steps_have_the_bits_of_one_world() {
+    let fitting = all().filter(|(_, m)| fits(m, &stride()));
+    let stepped = fitting.map(|(name, m)| compare(&name, &m, &stride(), &[1, 5, WORLDS]));
+    let stepped: usize = stepped.sum();
     assert!(stepped > 0 || width(Level::new()).is_none());
+}
+
+/// A model with all constraints of worlds that step together: several trees, limits and dry friction
+/// of joints and tendons, equalities, boxes, contacts of all dimensions.
+const CONSTRAINED: &str = r#"<mujoco><worldbody>
+  <geom type="plane" size="5 5 1"/>
+  <body pos="0 0 .1"><joint axis="0 1 0" damping=".1" frictionloss=".05"/>
+    <geom type="capsule" fromto="0 0 0 .4 0 0" size=".05" condim="4"/><site name="a" pos=".1 0 .1"/>
+    <body pos=".4 0 0"><joint name="j" axis="0 1 0" range="-60 60" limited="true" damping=".2"/>
+      <geom type="capsule" fromto="0 0 0 .3 0 0" size=".04" condim="6"/><site name="s" pos=".3 0 0"/></body></body>
+  <body pos="1 0 .15"><freejoint/><geom type="box" size=".1 .12 .14"/></body>
+  <body pos="1.02 .01 .45"><freejoint/><geom type="box" size=".1 .1 .1" condim="1"/></body>
+  <body pos=".6 .02 .5"><freejoint/><geom size=".1" friction=".4 .02 .003" condim="6"/></body>
+  <body pos="-1 0 .12"><joint name="x" type="slide" axis="0 0 1" range="-.05 1" limited="true"/><geom type="cylinder" size=".1 .1"/></body>
+  </worldbody>
+  <tendon><fixed name="t" limited="true" range="-.4 .4" frictionloss=".02"><joint joint="j" coef="1"/></fixed>
+    <fixed name="v"><joint joint="x" coef="1"/></fixed>
+    {string}</tendon>
+  <equality><joint joint1="x" joint2="j" polycoef="0 .1 0 0 0"/><tendon tendon1="v" tendon2="t" polycoef="0 .1 0 0 0"/></equality>
+  <actuator><motor joint="j" gear=".5"/><motor tendon="t" gear=".3"/></actuator></mujoco>"#;
+
+/// A tendon between sites.
+const STRING: &str =
+    r#"<spatial limited="true" range="0 .35"><site site="s"/><site site="a"/></spatial>"#;
+
+/// Compares worlds of [`CONSTRAINED`] in two revisions, with a tendon between sites and without.
+fn constrained(option: &str, change: impl Fn(String) -> String, makes_rows: bool) -> usize {
+    let mut stepped = 0;
+    for (revision, string) in Revision::ALL.into_iter().zip([STRING, "", ""]).step_by(2) {
+        let mut stride = stride();
+        if !string.is_empty() {
+            stride.reads.retain(|array| *array != Derived::CfrcExt);
+        }
+        let text = change(CONSTRAINED.replace("{string}", string));
+        let text = text.replace("<mujoco>", &format!("<mujoco><option {option}/>"));
+        let m = Model::from_xml_with(&text, revision).unwrap();
+        assert!(
+            fits(&m, &stride) && fits::makes_rows(&m) == makes_rows,
+            "{option}"
+        );
+        stepped += compare(&format!("{revision} {option}"), &m, &stride, &[WORLDS - 1]);
+    }
+    stepped
+}
+
+#[test]
+fn worlds_that_solve_alone_have_the_bits_of_one_world() {
+    let options = [
+        r#"cone="elliptic" impratio="3""#,
+        r#"integrator="RK4" noslip_iterations="2""#,
+        r#"solver="CG""#,
+        r#"solver="PGS" cone="elliptic""#,
+    ];
+    let stepped = options.map(|option| constrained(option, |text| text, false));
+    assert!(stepped.iter().sum::<usize>() > 0 || width(Level::new()).is_none());
+}
+
+#[test]
+fn islands_have_the_bits_of_one_world() {
+    // without dry friction, equalities, and contacts that turn
+    let plain = |text: String| {
+        let (start, rest) = text.split_once("<equality>").unwrap();
+        let (_, end) = rest.split_once("</equality>").unwrap();
+        let text = format!("{start}{end}").replace("frictionloss", "margin");
+        text.replace(r#"condim="4""#, "")
+            .replace(r#"condim="6""#, "")
+    };
+    let options = ["", r#"integrator="RK4""#].map(|option| {
+        let together = constrained(option, plain, true);
+        let option = format!("{option}><flag island=\"disable\"/></option><size memory=\"1M\"");
+        together + constrained(&option, plain, true)
+    });
+    assert!(options.iter().sum::<usize>() > 0 || width(Level::new()).is_none());
 }
 
 /// A model with every sensor and tendon that worlds can measure together. Its body falls and

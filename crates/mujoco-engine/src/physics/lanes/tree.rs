@@ -1,6 +1,7 @@
 //! Sums and matrices of several worlds, in the same order of operations as for one world: see
-//! [`dense`](crate::math::dense) and [`inertia`](crate::physics::inertia). The models have one
-//! tree.
+//! [`dense`](crate::math::dense) and [`inertia`](crate::physics::inertia).
+
+use std::ops::Range;
 
 use fearless_simd::Simd;
 use gym_numerics::math::{Lanes, Real};
@@ -91,14 +92,30 @@ pub(super) fn solve<S: Simd>(
     inverses: &[PerWorld],
     x: &mut [PerWorld],
 ) {
-    let (plan, n) = (m.plan(), m.nv());
-    let x = &mut x[..n];
+    for tree in &m.plan().trees {
+        let x = &mut x[tree.clone()];
+        solve_tree(m, at, tree, factors, inverses, x);
+    }
+}
+
+/// [`solve`] for the degrees of freedom of one tree.
+#[inline(always)]
+pub(super) fn solve_tree<S: Simd>(
+    m: &Model,
+    at: At<S>,
+    tree: &Range<usize>,
+    factors: &[PerWorld],
+    inverses: &[PerWorld],
+    x: &mut [PerWorld],
+) {
+    let (plan, n) = (m.plan(), tree.len());
+    let (x, inverses) = (&mut x[..n], &inverses[tree.clone()]);
     for i in (1..n).rev() {
         let xi: Lanes<S> = load(at, &x[i]);
         // where `xi` is zero, keep the value: a subtraction of zero could turn -0 into 0
         let zero = xi.abs().le(xi.same(0.0));
-        let row = plan.m_ancestors(i);
-        for (&j, l) in plan.m_colind[row.clone()].iter().zip(&factors[row]) {
+        let row = plan.m_ancestors(tree.start + i);
+        for (&j, l) in plan.m_local[row.clone()].iter().zip(&factors[row]) {
             let xj = load(at, &x[j]);
             store(
                 at,
@@ -111,8 +128,8 @@ pub(super) fn solve<S: Simd>(
         store(at, x, load(at, x) * load(at, inverse));
     }
     for i in 1..n {
-        let row = plan.m_ancestors(i);
-        let (columns, factors) = (&plan.m_colind[row.clone()], &factors[row]);
+        let row = plan.m_ancestors(tree.start + i);
+        let (columns, factors) = (&plan.m_local[row.clone()], &factors[row]);
         let (product,) = (
             #[inline(always)]
             |k: usize| load(at, &factors[k]) * load(at, &x[columns[k]]),
@@ -128,22 +145,23 @@ pub(super) fn solve<S: Simd>(
     }
 }
 
-/// Writes `M x` to `y`.
+/// Writes `M x` to `y`, for the degrees of freedom of one tree.
 #[inline(always)]
 pub(super) fn multiply<S: Simd>(
     m: &Model,
     at: At<S>,
+    tree: &Range<usize>,
     qm: &[PerWorld],
     x: &[PerWorld],
     y: &mut [PerWorld],
 ) {
-    let (plan, n) = (m.plan(), m.nv());
+    let (plan, n) = (m.plan(), tree.len());
     let (x, y) = (&x[..n], &mut y[..n]);
     for i in 0..n {
         let xi: Lanes<S> = load(at, &x[i]);
-        let row = plan.m_ancestors(i);
+        let row = plan.m_ancestors(tree.start + i);
         let mut sum = load(at, &qm[row.end]) * xi;
-        for (&j, value) in plan.m_colind[row.clone()].iter().zip(&qm[row]).rev() {
+        for (&j, value) in plan.m_local[row.clone()].iter().zip(&qm[row]).rev() {
             let value = load(at, value);
             sum = sum + value * load(at, &x[j]);
             let other = load(at, &y[j]) + value * xi;

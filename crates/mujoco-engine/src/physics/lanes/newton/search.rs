@@ -3,11 +3,11 @@
 use fearless_simd::Simd;
 use gym_numerics::math::{Lanes, Real};
 
-use super::{Control, Found, Mask, Newton};
+use super::{Control, Found, Mask, Newton, Part};
 use crate::Model;
 use crate::math::spatial::MINVAL;
 use crate::physics::lanes::rows::{Rows, worlds};
-use crate::physics::lanes::tree::{dot, multiply};
+use crate::physics::lanes::tree::dot;
 use crate::physics::lanes::{Arrays, At, PerWorld, load, same, store};
 use crate::physics::solver::line_search;
 
@@ -22,16 +22,17 @@ impl Newton {
         m: &Model,
         at: At<S>,
         a: &Arrays,
-        rows: &Rows,
+        (rows, part): (&Rows, &Part),
         control: &Control,
         found: &mut Found,
     ) -> (u64, [PerWorld; 3]) {
-        let (n, zero) = (m.nv(), same::<S>(at, 0.0));
+        let (n, zero) = (part.n, same::<S>(at, 0.0));
+        let direction = &self.search[..n];
         let active: Mask<S> = load::<S>(at, &control.active).gt(zero);
-        let length = dot(at, &self.search, &self.search).sqrt();
+        let length = dot(at, direction, direction).sqrt();
         let active = Lanes::<S>::but_not(active, length.lt(zero.same(MINVAL)));
-        multiply(m, at, &a.qm, &self.search, &mut self.mv);
-        rows.multiply(n, at, &self.search, None, &mut self.jv);
+        part.multiply(m, at, &a.qm, direction, &mut self.mv);
+        rows.multiply(n, at, direction, None, &mut self.jv);
         for row in 0..rows.used {
             let (jar, jv) = (load::<S>(at, &self.jar[row]), load(at, &self.jv[row]));
             let d = load::<S>(at, &rows.d[row]);
@@ -43,8 +44,9 @@ impl Newton {
                 store(at, to, x);
             }
         }
-        let linear = dot::<S>(at, &self.search, &self.ma) - dot(at, &a.qfrc_smooth, &self.search);
-        let quadratic = dot::<S>(at, &self.search, &self.mv) * 0.5;
+        let smooth = dot(at, &self.smooth[..n], direction);
+        let linear = dot::<S>(at, direction, &self.ma[..n]) - smooth;
+        let quadratic = dot::<S>(at, direction, &self.mv[..n]) * 0.5;
         let opt = &m.opt;
         let scale = load(at, &control.scale);
         let flat = length * (opt.tolerance * opt.ls_tolerance) / scale;

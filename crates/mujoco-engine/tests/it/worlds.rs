@@ -2,7 +2,8 @@
 
 use std::sync::Arc;
 
-use mujoco_engine::lanes::{Derived, Worlds};
+use fearless_simd::Level;
+use mujoco_engine::lanes::{Derived, Group, Stride, Worlds};
 use mujoco_engine::physics::rne_post_constraint;
 use mujoco_engine::{Data, Model, step};
 
@@ -32,6 +33,27 @@ const BALL: &str = r#"<mujoco>
     </body>
   </worldbody>
   <actuator><general joint="hinge" dyntype="integrator" gainprm="3"/></actuator>
+</mujoco>"#;
+
+/// An arm, a box and a ball on a floor, three trees, with a tendon that has a limit.
+const PILE: &str = r#"<mujoco>
+  <option {option}/>
+  <worldbody>
+    <geom type="plane" size="5 5 1"/>
+    <body pos="0 0 0.5">
+      <joint name="shoulder" axis="0 1 0" range="-80 80" limited="true" {friction}/>
+      <geom type="capsule" fromto="0 0 0  0.3 0 0" size="0.04"/>
+      <body pos="0.3 0 0">
+        <joint name="elbow" axis="0 1 0" damping="0.1"/>
+        <geom type="capsule" fromto="0 0 0  0.3 0 0" size="0.04"/>
+      </body>
+    </body>
+    <body pos="0.5 0 0.1"><freejoint/><geom type="box" size="0.1 0.1 0.1"/></body>
+    <body pos="0.5 0.05 0.3"><freejoint/><geom size="0.1"/></body>
+  </worldbody>
+  <tendon><fixed name="both" limited="true" range="-1.5 1">
+    <joint joint="shoulder" coef="1"/><joint joint="elbow" coef="0.5"/></fixed></tendon>
+  <actuator><motor joint="shoulder" gear="20"/><motor joint="elbow" gear="5"/></actuator>
 </mujoco>"#;
 
 fn random(seed: u64) -> impl FnMut() -> f64 {
@@ -87,6 +109,36 @@ fn compare(text: &str, len: usize) {
 fn worlds_that_step_together_have_the_bits_of_one() {
     for len in [1, 9, 64, 77] {
         compare(HOPPER, len);
+    }
+}
+
+/// Worlds of several trees step together, whether their constraints have stages for several worlds or
+/// each world solves alone.
+#[test]
+fn worlds_of_several_trees_have_the_bits_of_one() {
+    for (option, friction) in [
+        ("timestep=\"0.004\"", ""),
+        ("integrator=\"RK4\"", ""),
+        ("cone=\"elliptic\" impratio=\"3\"", "frictionloss=\"0.2\""),
+        ("solver=\"CG\"", "frictionloss=\"0.2\""),
+        ("solver=\"PGS\" noslip_iterations=\"2\"", ""),
+    ] {
+        let text = PILE.replace("{option}", option);
+        let text = text.replace("{friction}", friction);
+        let model = Arc::new(Model::from_xml(&text).unwrap());
+        let level = Level::new();
+        let stride = Stride {
+            steps: 1,
+            settles: false,
+            contact_forces: true,
+            reads: vec![Derived::CfrcExt],
+        };
+        let data = Data::new(&model);
+        let added = Group::new(&model, &stride, level, 1).add(&data, [0.0; 2]);
+        assert_eq!(added.is_some(), Group::can_step(level), "{option}");
+        for len in [7, 9, 67] {
+            compare(&text, len);
+        }
     }
 }
 

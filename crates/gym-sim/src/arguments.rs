@@ -4,7 +4,7 @@ use gym_core::{Arguments, Error, Result};
 use serde_json::{Map, Value as Json};
 
 use crate::version::Version;
-use crate::view::{CameraConfig, View};
+use crate::view::{self, CameraConfig, View};
 use mujoco_engine::math::MAXVAL;
 use mujoco_engine::{Model, Revision};
 
@@ -117,17 +117,7 @@ impl Common {
     /// [`Error::InvalidArgument`] for a camera that the model does not have.
     pub fn view(&self, model: &Model) -> Result<View> {
         let own = match (&self.camera_name, self.camera_id) {
-            (Some(name), _) => Some(model.camera_id(name).ok_or_else(|| {
-                let names = model.names.camera.iter().flatten();
-                let names: Vec<&str> = names.map(|name| &**name).collect();
-                Error::argument(
-                    "camera_name",
-                    format!(
-                        "there is no camera {name:?}: the cameras are {}",
-                        names.join(", ")
-                    ),
-                )
-            })?),
+            (Some(name), _) => Some(view::camera(model, name)?),
             (None, None | Some(-1)) => None,
             (None, Some(id)) => {
                 let number = model.cam_mode.len();

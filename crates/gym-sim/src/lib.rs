@@ -3,7 +3,7 @@
 //! [`SimEnv`] is the one environment: a [`SimTask`] on a model of the crate [`mujoco_engine`].
 //! Pictures and depths, snapshots, changes of the state, MuJoCo's versions and vectors whose worlds
 //! step together come with it. Gymnasium's MuJoCo tasks and the DeepMind Control Suite are tasks on
-//! it.
+//! it. [`viewer`] shows a model without a task.
 //!
 //! A task with arguments implements [`FromArguments`] too, and registers as an [`Entry`].
 #![warn(clippy::disallowed_methods)]
@@ -24,6 +24,7 @@ mod task;
 mod together;
 mod version;
 pub mod view;
+pub mod viewer;
 
 pub use arguments::{Common, TaskArguments};
 pub use entry::{Entry, Family, FromArguments, Own, register};

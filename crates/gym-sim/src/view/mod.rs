@@ -1,11 +1,13 @@
 //! Pictures of a model: a camera, and shaded shapes on a canvas.
 
+mod aim;
 mod camera;
 mod depth;
 mod floor;
 mod layer;
 mod light;
 mod look;
+mod marks;
 mod meshes;
 mod shapes;
 mod solids;
@@ -16,6 +18,7 @@ use gym_core::canvas::{Canvas, Color};
 use gym_core::{Error, Result};
 use serde::{Deserialize, Serialize};
 
+pub use self::aim::Hit;
 use self::camera::Camera;
 use mujoco_engine::math::{Mat3, Vec3, add, mul_quat, quat_to_mat, rotate, sub};
 use mujoco_engine::model::GeomType;
@@ -271,6 +274,20 @@ fn floor_of(model: &Model, data: &Data, max_geom: usize) -> Option<usize> {
         .take(max_geom)
         .filter(|g| model.geom_type[*g] == GeomType::Plane && data.geom_xmat[*g][8] > 0.99)
         .min_by(|a, b| data.geom_xpos[*a][2].total_cmp(&data.geom_xpos[*b][2]))
+}
+
+/// The number of the model's camera of a name.
+///
+/// # Errors
+/// [`Error::InvalidArgument`] with the names that there are.
+pub fn camera(model: &Model, name: &str) -> Result<usize> {
+    model.camera_id(name).ok_or_else(|| {
+        let names = model.names.camera.iter().flatten();
+        let names: Vec<&str> = names.map(|name| &**name).collect();
+        let names = names.join(", ");
+        let reason = format!("there is no camera {name:?}: the cameras are {names}");
+        Error::argument("camera_name", reason)
+    })
 }
 
 /// The initial configuration.

@@ -106,7 +106,7 @@ use kinematics::find_frames;
 pub use kinematics::kinematics;
 pub use passive::passive;
 pub use post_constraint::rne_post_constraint;
-pub use ray::{ray, ray_shape};
+pub use ray::{ray, ray_among, ray_shape};
 pub use rows::make_constraint;
 use sensor::sensors;
 pub use solver::fwd_constraint;

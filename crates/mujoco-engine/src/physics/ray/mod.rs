@@ -19,15 +19,26 @@ pub fn ray(
     along: [f64; 3],
     except: Option<usize>,
 ) -> Option<(f64, usize)> {
-    let mut nearest: Option<(f64, usize)> = None;
-    for g in 0..m.ngeom() {
+    ray_among(m, d, point, along, |g| {
         let opacity = match usize::try_from(m.geom_matid[g]) {
             Ok(material) => m.mat_rgba[material][3],
             Err(_) => m.geom_rgba[g][3],
         };
-        if Some(m.geom_bodyid[g]) == except || opacity == 0.0 {
-            continue;
-        }
+        Some(m.geom_bodyid[g]) != except && opacity != 0.0
+    })
+}
+
+/// [`ray`] among the geoms that `is_seen` selects, visible or not.
+#[must_use]
+pub fn ray_among(
+    m: &Model,
+    d: &Data,
+    point: [f64; 3],
+    along: [f64; 3],
+    is_seen: impl Fn(usize) -> bool,
+) -> Option<(f64, usize)> {
+    let mut nearest: Option<(f64, usize)> = None;
+    for g in (0..m.ngeom()).filter(|g| is_seen(*g)) {
         let place = (d.geom_xpos[g], &d.geom_xmat[g]);
         let distance = match m.geom_type[g] {
             GeomType::Mesh => surface::mesh(m, g, place, point, along),

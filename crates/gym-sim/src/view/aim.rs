@@ -117,11 +117,7 @@ impl View {
         let camera = self.camera(data, size);
         let right = (x - camera.size[0] / 2.0) / camera.focal;
         let up = (camera.size[1] / 2.0 - y) / camera.focal;
-        let along = add_scaled(
-            add_scaled(camera.ahead, camera.right, right),
-            camera.up,
-            up,
-        );
+        let along = add_scaled(add_scaled(camera.ahead, camera.right, right), camera.up, up);
         [camera.pos, along]
     }
 
@@ -190,13 +186,19 @@ mod tests {
         view.move_by([0.1, 0.25], false);
         let after = view.camera(&data, SIZE).project([0.0, 0.0, 1.0]);
         for (k, moved) in [48.0, 120.0].into_iter().enumerate() {
-            assert!((after[k] - before[k] - moved).abs() < 1e-9, "{before:?} {after:?}");
+            assert!(
+                (after[k] - before[k] - moved).abs() < 1e-9,
+                "{before:?} {after:?}"
+            );
         }
         let camera = view.free_camera().unwrap();
         view.move_by([0.0, 0.1], true);
         let [x, y, z] = view.free_camera().unwrap().lookat.unwrap();
         let [x0, y0, z0] = camera.lookat.unwrap();
-        assert!((x - x0).abs() < 1e-12 && y > y0 && z == z0, "along the ground");
+        assert!(
+            (x - x0).abs() < 1e-12 && y > y0 && z == z0,
+            "along the ground"
+        );
         // following a body, it does not move
         view.follow(Some(1), &data);
         let camera = view.free_camera().unwrap();
@@ -215,7 +217,10 @@ mod tests {
         assert_eq!((camera.azimuth, camera.elevation), (Some(0.0), Some(-18.0)));
         view.turn_by([1.25, 9.0]);
         let camera = view.free_camera().unwrap();
-        assert_eq!((camera.azimuth, camera.elevation), (Some(135.0), Some(-89.0)));
+        assert_eq!(
+            (camera.azimuth, camera.elevation),
+            (Some(135.0), Some(-89.0))
+        );
         view.turn_by([f64::NAN, 0.0]);
         view.zoom_by(f64::INFINITY, &model);
         assert_eq!(view.free_camera().unwrap(), camera);

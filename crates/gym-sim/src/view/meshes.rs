@@ -13,8 +13,8 @@ use mujoco_engine::model::GeomType;
 
 /// The largest number of samples of a layer.
 const MOST: usize = 1 << 24;
-/// Samples of a pixel in a row, and rows of samples of a pixel.
-const FINE: usize = 3;
+/// Samples of a pixel in a row, and rows of samples of a pixel, unless a view has fewer.
+pub(super) const FINE: usize = 3;
 
 /// Whether a geom is a mesh or a height field.
 pub(super) fn is_mesh(model: &Model, g: usize) -> bool {
@@ -54,7 +54,7 @@ pub(super) fn draw(
 ) {
     let (camera, model, data) = (&scene.camera, scene.model, scene.data);
     let solids = solids(scene, max_geom, floor);
-    let fine = Size::new(camera.size, canvas.resolution());
+    let fine = Size::new(camera.size, canvas.resolution(), scene.samples);
     let focal = [fine.scale[0] * camera.focal, fine.scale[1] * camera.focal];
     let mut layer = Layer::new(fine.pixels, fine.per_pixel, focal);
     if let Some(height) = floor.map(|g| data.geom_xpos[g][2])
@@ -121,13 +121,13 @@ struct Size {
 impl Size {
     /// For a drawing of a size of which each unit becomes `resolution` pixels; fewer, if these are
     /// too many.
-    fn new(size: [f64; 2], resolution: f64) -> Self {
+    fn new(size: [f64; 2], resolution: f64, samples: usize) -> Self {
         let area = (size[0] * size[1]).max(1.0);
         let most = (MOST as f64 / area).sqrt();
         let resolution = resolution.clamp(1.0 / 64.0, most);
         let pixels = size.map(|side| ((side * resolution).round() as usize).clamp(1, MOST));
         let fits = |n: &usize| pixels[0] * pixels[1] * n * n <= MOST;
-        let per_pixel = (1..=FINE).rev().find(fits).unwrap_or(1);
+        let per_pixel = (1..=samples).rev().find(fits).unwrap_or(1);
         let scale = [0, 1].map(|k| pixels[k] as f64 / size[k].max(1.0));
         Self {
             pixels,
@@ -360,10 +360,10 @@ mod tests {
             ([16_384.0; 2], 1.0),
             ([1e-3; 2], 1.0),
         ] {
-            let found = Size::new(size, resolution);
+            let found = Size::new(size, resolution, FINE);
             let samples = found.pixels[0] * found.pixels[1] * found.per_pixel * found.per_pixel;
             assert!((1..=2 * MOST).contains(&samples), "{size:?}: {samples}");
         }
-        assert_eq!(Size::new([480.0, 360.0], 2.0).pixels, [960, 720]);
+        assert_eq!(Size::new([480.0, 360.0], 2.0, FINE).pixels, [960, 720]);
     }
 }

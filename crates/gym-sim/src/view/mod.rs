@@ -90,6 +90,7 @@ impl CameraConfig {
 pub struct View {
     mount: Mount,
     max_geom: usize,
+    samples: usize,
 }
 
 /// The camera of a view: free, or one of the model's.
@@ -143,6 +144,7 @@ impl View {
         Ok(Self {
             mount: free(model, &initial(model), camera)?,
             max_geom: usize::MAX,
+            samples: meshes::FINE,
         })
     }
 
@@ -151,12 +153,21 @@ impl View {
         Self {
             mount: Mount::Own(Own::new(model, &initial(model), id)),
             max_geom: usize::MAX,
+            samples: meshes::FINE,
         }
     }
 
     /// The same with at most so many geoms.
     pub(crate) fn with_max_geom(self, max_geom: usize) -> Self {
         Self { max_geom, ..self }
+    }
+
+    /// The same with at most so many samples of a pixel in a row, from 1 to 3, where there are meshes:
+    /// edges are rougher, and a picture takes less time.
+    #[must_use]
+    pub fn with_samples(self, samples: usize) -> Self {
+        let samples = samples.clamp(1, meshes::FINE);
+        Self { samples, ..self }
     }
 
     /// Turns the free camera by some degrees, and multiplies its distance by `zoom`.
@@ -234,6 +245,7 @@ impl View {
         let camera = self.camera(data, size);
         Scene {
             camera,
+            samples: self.samples,
             model,
             data,
         }
@@ -243,6 +255,8 @@ impl View {
 /// A state, and the camera that sees it.
 struct Scene<'a> {
     camera: Camera,
+    /// The most samples of a pixel in a row.
+    samples: usize,
     model: &'a Model,
     data: &'a Data,
 }

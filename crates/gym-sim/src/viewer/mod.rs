@@ -64,13 +64,15 @@ pub struct Viewer {
     pub shows_contacts: bool,
     /// Whether pictures show the forces of contacts.
     pub shows_forces: bool,
+    /// The most samples of a pixel in a row: see [`View::with_samples`].
+    pub samples: usize,
     speed: f64,
     /// The model's time that is due, in s: less than a timestep after [`advance`](Self::advance).
     due: f64,
     selected: Option<Hit>,
     pull: Option<Pull>,
     sensors: Vec<Sensor>,
-    samples: Samples,
+    recorded: Samples,
 }
 
 impl Viewer {
@@ -89,12 +91,13 @@ impl Viewer {
         Ok(Self {
             controls: controls::of(&model),
             sensors: history::of(&model),
-            samples: Samples::new(&model),
+            recorded: Samples::new(&model),
             free,
             own: None,
             is_paused: false,
             shows_contacts: false,
             shows_forces: false,
+            samples: usize::MAX,
             speed: 1.0,
             due: 0.0,
             selected: None,
@@ -170,7 +173,7 @@ impl Viewer {
                 self.model.opt.timestep
             )));
         }
-        self.samples.take(&self.data);
+        self.recorded.take(&self.data);
         Ok(())
     }
 
@@ -215,7 +218,7 @@ impl Viewer {
     fn start(&mut self) {
         self.pull = None;
         self.due = 0.0;
-        self.samples.clear();
+        self.recorded.clear();
         forward(&self.model, &mut self.data);
     }
 
@@ -337,12 +340,13 @@ impl Viewer {
     }
 
     /// Pulls the body that was taken hold of towards a point of the picture, by a spring, in the plane
-    /// that faces the camera. A mocap body goes there.
+    /// that faces the camera. A mocap body goes there; while time stands still, so does a tree of
+    /// bodies that floats.
     pub fn pull(&mut self, at: Point, size: (u32, u32)) {
         let Some(pull) = &mut self.pull else { return };
         let view = self.own.as_ref().map_or(&self.free, |(_, view)| view);
         pull.aim(view.ray(&self.data, size, at));
-        if pull.place(&mut self.data) && self.is_paused {
+        if pull.place(&self.model, &mut self.data, self.is_paused) && self.is_paused {
             forward(&self.model, &mut self.data);
         }
     }
@@ -373,7 +377,7 @@ impl Viewer {
     pub fn history(&self, sensor: usize, number: usize) -> impl ExactSizeIterator<Item = f64> {
         let range = self.sensors.get(sensor).map(Sensor::range);
         let column = range.and_then(|mut range| range.nth(number));
-        self.samples.column(column)
+        self.recorded.column(column)
     }
 
     /// The potential and the kinetic energy, in J.
@@ -383,7 +387,8 @@ impl Viewer {
 
     /// Draws the state.
     pub fn draw(&self, size: (u32, u32), canvas: &mut dyn Canvas) {
-        let (view, model, data) = (self.view(), &self.model, &self.data);
+        let view = self.view().clone().with_samples(self.samples);
+        let (model, data) = (&self.model, &self.data);
         view.draw(model, data, size, canvas);
         if self.shows_contacts || self.shows_forces {
             view.draw_contacts(model, data, size, self.shows_forces, canvas);
@@ -397,7 +402,11 @@ impl Viewer {
 /// The name of an object, or its kind and number.
 #[must_use]
 pub fn name(model: &CompiledModel, kind: ObjectType, id: usize) -> String {
-    named(model.name(kind, id), &format!("{kind:?}").to_lowercase(), id)
+    named(
+        model.name(kind, id),
+        &format!("{kind:?}").to_lowercase(),
+        id,
+    )
 }
 
 fn named(name: Option<&str>, kind: &str, id: usize) -> String {

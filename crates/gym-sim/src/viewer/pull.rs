@@ -9,6 +9,7 @@ use crate::view::Hit;
 use mujoco_engine::math::{
     Vec3, add, add_scaled, cross, dot, normalize, quat_to_mat, rotate, rotate_back, scale, sub,
 };
+use mujoco_engine::model::JointType;
 use mujoco_engine::physics::solve_m;
 use mujoco_engine::{Data, Model};
 
@@ -29,7 +30,7 @@ pub(super) struct Pull {
     /// The distance of the target along the viewing direction.
     depth: f64,
     /// The mass of the body at the point, in kg.
-    mass: f64,
+    pub(super) mass: f64,
     /// The number of a mocap body.
     mocap: Option<usize>,
 }
@@ -61,11 +62,25 @@ impl Pull {
         }
     }
 
-    /// Moves a mocap body so that the point is at the target. Returns whether it is a mocap body.
-    pub(super) fn place(&self, data: &mut Data) -> bool {
-        let Some(id) = self.mocap else { return false };
-        let mat = quat_to_mat(normalized(data.mocap_quat[id]));
-        data.mocap_pos[id] = sub(self.target, rotate(&mat, self.local));
+    /// Moves a mocap body so that the point is at the target; and, while time stands still, the tree of
+    /// a body that floats, as `mjv_applyPerturbPose` does. Returns whether something moved.
+    pub(super) fn place(&self, model: &Model, data: &mut Data, is_paused: bool) -> bool {
+        if let Some(id) = self.mocap {
+            let mat = quat_to_mat(normalized(data.mocap_quat[id]));
+            data.mocap_pos[id] = sub(self.target, rotate(&mat, self.local));
+            return true;
+        }
+        let root = model.body_rootid[self.body];
+        let joint = usize::try_from(model.body_jntadr[root]).ok();
+        let floats = joint.filter(|joint| model.jnt_type[*joint] == JointType::Free);
+        let Some(joint) = floats.filter(|_| is_paused) else {
+            return false;
+        };
+        let offset = sub(self.target, self.point(data));
+        let first = model.jnt_qposadr[joint];
+        for (x, by) in data.qpos[first..].iter_mut().zip(offset) {
+            *x += by;
+        }
         true
     }
 

@@ -136,9 +136,10 @@ impl Build {
             .any(|argument| argument == "--help" || argument == "-h");
         // `mjcf` simulates and draws if it is asked to
         let has_options = arguments.iter().any(|argument| {
+            let options = ["--steps", "--out", "--window"];
             argument
                 .to_str()
-                .is_some_and(|text| text.starts_with("--steps") || text.starts_with("--out"))
+                .is_some_and(|text| options.iter().any(|option| text.starts_with(option)))
         });
         let is_quick =
             asks_for_help || !has_options && command.is_none_or(|command| QUICK.contains(&command));
@@ -153,6 +154,9 @@ impl Build {
             _ if asks_for_help => None,
             Some("conform") => Some("conform"),
             Some("play") if !arguments.iter().any(|argument| argument == "--terminal") => {
+                Some("human")
+            }
+            Some("mjcf") if arguments.iter().any(|argument| argument == "--window") => {
                 Some("human")
             }
             _ => None,
@@ -215,6 +219,8 @@ mod tests {
         assert_eq!(feature("conform CartPole-v1"), Some("conform"));
         assert_eq!(feature("play CartPole-v1"), Some("human"));
         assert_eq!(feature("play Taxi-v4 --terminal"), None);
+        assert_eq!(feature("mjcf robot.xml --window"), Some("human"));
+        assert_eq!(feature("mjcf robot.xml --out x.png"), None);
         assert_eq!(feature("conform --help"), None, "help is quick");
         assert_eq!(
             feature("bench"),
@@ -259,6 +265,7 @@ mod tests {
             "run Taxi-v4",
             "mjcf robot.xml --steps 9",
             "mjcf robot.xml --out=x.png",
+            "mjcf robot.xml --window",
         ] {
             assert_eq!(profile(line), "play", "{line}");
         }

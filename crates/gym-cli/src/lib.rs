@@ -37,6 +37,8 @@ mod gif;
 mod inputs;
 mod keys;
 mod list;
+#[cfg(all(feature = "human", feature = "families"))]
+mod live;
 mod new;
 mod output;
 mod play;

@@ -1,5 +1,10 @@
 //! `cargo xtask play ID`
 
+#[cfg(all(feature = "human", feature = "families"))]
+mod sliders;
+#[cfg(feature = "human")]
+mod window;
+
 use std::io::BufRead;
 use std::path::PathBuf;
 
@@ -93,8 +98,10 @@ pub(crate) fn play(arguments: &Arguments) -> Result<()> {
         Some(Json::Null) => keys.idle = Idle::Wait,
         Some(action) => keys.idle = Idle::Action(action.clone()),
     }
-    keys::check(&keys, &session.env.action_space())?;
-    say(format_args!("{}", keys::describe(&keys)))?;
+    if arguments.terminal || !has_sliders(&session.env) || !keys.actions.is_empty() {
+        keys::check(&keys, &session.env.action_space())?;
+        say(format_args!("{}", keys::describe(&keys)))?;
+    }
     let played = if arguments.terminal {
         in_terminal(&mut session, &keys)
     } else {
@@ -113,6 +120,7 @@ struct Session {
     episode: u64,
     episodes: Option<u64>,
     steps: u64,
+    reward: f64,
     score: f64,
 }
 
@@ -152,6 +160,7 @@ impl Session {
             episode: 0,
             episodes: arguments.episodes,
             steps: 0,
+            reward: 0.0,
             score: 0.0,
         };
         session.reset(arguments.first_reset()?)?;
@@ -161,7 +170,7 @@ impl Session {
     fn reset(&mut self, reset: Reset) -> Result<()> {
         let request = (&reset).into();
         let observation = self.env.reset(reset)?;
-        (self.steps, self.score) = (0, 0.0);
+        (self.steps, self.reward, self.score) = (0, 0.0, 0.0);
         self.episode += 1;
         self.record(Event {
             reset: Some(request),
@@ -174,6 +183,7 @@ impl Session {
     fn step(&mut self, action: &Json) -> Result<bool> {
         let step = self.env.step(&self.env.action_space().from_json(action)?)?;
         self.steps += 1;
+        self.reward = step.reward;
         self.score += step.reward;
         let done = step.done();
         self.record(Event {
@@ -284,8 +294,23 @@ fn in_terminal(session: &mut Session, keys: &Keys) -> Result<()> {
     }
 }
 
+/// Whether a window has a slider for each number of an action.
+fn has_sliders(env: &BoxEnv) -> bool {
+    #[cfg(all(feature = "human", feature = "families"))]
+    return sliders::sliders(env).is_some();
+    #[cfg(not(all(feature = "human", feature = "families")))]
+    {
+        let _ = env;
+        false
+    }
+}
+
 #[cfg(feature = "human")]
 fn in_window(session: &mut Session, keys: &Keys, arguments: &Arguments) -> Result<()> {
+    #[cfg(feature = "families")]
+    if let Some(sliders) = sliders::sliders(&session.env) {
+        return sliders::play(session, keys, arguments, sliders);
+    }
     say(format_args!("R = restart, Escape = quit"))?;
     window::play(session, keys, arguments)
 }
@@ -294,73 +319,4 @@ fn in_window(session: &mut Session, keys: &Keys, arguments: &Arguments) -> Resul
 #[cfg(not(feature = "human"))]
 fn in_window(_: &mut Session, _: &Keys, _: &Arguments) -> Result<()> {
     Ok(())
-}
-
-#[cfg(feature = "human")]
-mod window {
-    use std::time::{Duration, Instant};
-
-    use gym::render::Window;
-
-    use super::*;
-
-    /// The duration for which the end of an episode is shown.
-    const PAUSE: Duration = Duration::from_millis(800);
-
-    /// Plays until the window is closed.
-    pub(super) fn play(session: &mut Session, keys: &Keys, arguments: &Arguments) -> Result<()> {
-        let fps = arguments
-            .fps
-            .unwrap_or(session.env.metadata().render_fps)
-            .max(1);
-        let period = Duration::from_secs(1) / fps;
-        let size = (session.frame.width(), session.frame.height());
-        let mut window = Window::open(&session.status(), size)?;
-        let mut last = None;
-        let mut down = Vec::new();
-        let mut due = Instant::now() + period;
-        while window.is_open() {
-            window.show(&session.frame);
-            window.set_title(&session.status());
-            let before = std::mem::replace(&mut down, window.keys());
-            let is_new = |key: &String| !before.contains(key);
-            if down.iter().any(|key| key == "Escape") {
-                return Ok(());
-            }
-            if down.iter().any(|key| {
-                key == "R" && is_new(key) && keys::action(keys, std::slice::from_ref(key)).is_none()
-            }) {
-                session.reset(Reset::default())?;
-                continue;
-            }
-            let action = if keys.idle == Idle::Wait {
-                let new: Vec<_> = down.iter().filter(|key| is_new(key)).cloned().collect();
-                keys::action(keys, &new)
-            } else if Instant::now() < due {
-                None
-            } else {
-                due = (due + period).max(Instant::now());
-                keys::action(keys, &down).or_else(|| match &keys.idle {
-                    Idle::Action(action) => Some(action.clone()),
-                    _ => last.clone(),
-                })
-            };
-            let Some(action) = action else { continue };
-            let done = session.step(&action)?;
-            last = Some(action);
-            if done {
-                let end = Instant::now() + PAUSE;
-                while window.is_open() && Instant::now() < end {
-                    window.show(&session.frame);
-                    window.set_title(&session.status());
-                }
-                if session.is_last() {
-                    return Ok(());
-                }
-                session.reset(Reset::default())?;
-                (last, due) = (None, Instant::now() + period);
-            }
-        }
-        Ok(())
-    }
 }

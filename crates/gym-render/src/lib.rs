@@ -76,7 +76,7 @@ pub use recorder::Recorder;
 pub use svg::{Svg, svg, write_svg};
 pub use video::{Video, VideoFormat, write_video};
 #[cfg(feature = "human")]
-pub use window::Window;
+pub use window::{Pointer, Window};
 
 /// Compiles and runs the example of the README.
 #[cfg(doctest)]

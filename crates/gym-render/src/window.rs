@@ -12,7 +12,7 @@ use std::time::{Duration, Instant};
 use gym_core::inventory;
 use gym_core::render::{Frame, Screen, ScreenProvider};
 use gym_core::{Error, Result};
-use minifb::{InputCallback, Key, ScaleMode, WindowOptions};
+use minifb::{InputCallback, Key, MouseButton, MouseMode, ScaleMode, WindowOptions};
 
 /// How often per second a window polls for input.
 const UPDATES: usize = 60;
@@ -31,6 +31,21 @@ pub struct Window {
     pixels: Vec<u32>,
     size: (usize, usize),
     pressed: Pressed,
+}
+
+/// The pointer of a window, such as a mouse.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Pointer {
+    /// Its place in pixels of the frame, from the top left; it can be outside.
+    pub at: [f64; 2],
+    /// Whether the left button is down.
+    pub left: bool,
+    /// Whether the middle button is down.
+    pub middle: bool,
+    /// Whether the right button is down.
+    pub right: bool,
+    /// Steps of the wheel since the last update, away from the user.
+    pub wheel: f64,
 }
 
 /// The keys pressed since the last query, including those that were released before the next poll.
@@ -100,6 +115,39 @@ impl Window {
     /// Whether the user has not closed the window.
     pub fn is_open(&self) -> bool {
         self.window.is_open()
+    }
+
+    /// Gives the frames that are shown from now on the window's size, and returns it.
+    pub fn fit(&mut self) -> (u32, u32) {
+        let (width, height) = self.window.get_size();
+        self.size = (width.max(1), height.max(1));
+        self.pixels.resize(self.size.0 * self.size.1, 0);
+        (self.size.0 as u32, self.size.1 as u32)
+    }
+
+    /// The pointer at the last update.
+    pub fn pointer(&self) -> Pointer {
+        let is_down = |button| self.window.get_mouse_down(button);
+        let (x, y) = self
+            .window
+            .get_mouse_pos(MouseMode::Pass)
+            .unwrap_or_default();
+        let wheel = self.window.get_scroll_wheel().unwrap_or_default().1;
+        // frames are in the middle, with their aspect ratio
+        let (width, height) = self.window.get_size();
+        let sides = [(width, self.size.0), (height, self.size.1)];
+        let [across, down] = sides.map(|(window, frame)| window as f64 / frame.max(1) as f64);
+        let scale = across.min(down).max(f64::MIN_POSITIVE);
+        let place = |at: f32, (window, frame): (usize, usize)| {
+            (f64::from(at) - (window as f64 - frame as f64 * scale) / 2.0) / scale
+        };
+        Pointer {
+            at: [place(x, sides[0]), place(y, sides[1])],
+            left: is_down(MouseButton::Left),
+            middle: is_down(MouseButton::Middle),
+            right: is_down(MouseButton::Right),
+            wheel: f64::from(wheel),
+        }
     }
 
     /// Changes the title.

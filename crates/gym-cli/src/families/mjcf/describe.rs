@@ -3,9 +3,9 @@
 use std::collections::BTreeMap;
 use std::fmt::{self, Display, Write};
 
-use super::run::keyframes;
 use gym::sim::engine::Model;
 use gym::sim::engine::model::{GeomType, JointType, ObjectType, TransmissionType};
+use gym::sim::viewer::keyframes;
 
 /// Describes a model: a line for each body, joint, actuator, tendon, sensor, camera and keyframe.
 pub(super) fn model(m: &Model) -> String {
@@ -94,7 +94,7 @@ fn write(m: &Model, out: &mut String) -> fmt::Result {
         )
     })?;
     if !m.key_qpos.is_empty() {
-        writeln!(out, "\nkeyframes: {}", keyframes(m))?;
+        writeln!(out, "\nkeyframes: {}", keyframes(m).join(", "))?;
     }
     Ok(())
 }

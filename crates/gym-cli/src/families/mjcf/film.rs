@@ -1,40 +1,64 @@
 //! Pictures and films of a model.
 
 use std::path::{Path, PathBuf};
+#[cfg(feature = "human")]
+use std::sync::Arc;
 
 use gym::canvas::Canvas;
 use gym::render::{Frame, Painter, Raster, Video, file, write_png};
 use gym::sim::Common;
 use gym::sim::engine::{Data, Model};
+#[cfg(feature = "human")]
+use gym::sim::view;
 use gym::sim::view::{CameraConfig, View};
+#[cfg(feature = "human")]
+use gym::sim::viewer::Viewer;
 use gym::{Error, Result};
 
 #[derive(clap::Args)]
 pub(super) struct Picture {
     /// Draws the model to a file: .png is a picture of the last state; .gif, .apng or .mp4 is a film
     /// of the steps, in the time of the model.
-    #[arg(long, value_name = "FILE")]
+    #[arg(long, value_name = "FILE", group = "shown")]
     out: Option<PathBuf>,
-    /// The size of the picture.
-    #[arg(long, value_name = "WIDTHxHEIGHT", default_value = "480x360", value_parser = parse_size, requires = "out")]
-    size: (u32, u32),
+    /// The size of the picture, by default 480x360, or of the window, by default 1100x640.
+    #[arg(long, value_name = "WIDTHxHEIGHT", value_parser = parse_size, requires = "shown")]
+    pub(super) size: Option<(u32, u32)>,
     /// A camera of the model, instead of a free one.
-    #[arg(long, value_name = "NAME", requires = "out")]
+    #[arg(long, value_name = "NAME", requires = "shown")]
     camera: Option<String>,
     /// The direction of the free camera, in degrees.
     #[arg(
         long,
         default_value_t = 120.0,
         allow_negative_numbers = true,
-        requires = "out"
+        requires = "shown"
     )]
     azimuth: f64,
     /// The elevation of the free camera, in degrees: negative looks down.
-    #[arg(long, default_value_t = -20.0, allow_negative_numbers = true, requires = "out")]
+    #[arg(long, default_value_t = -20.0, allow_negative_numbers = true, requires = "shown")]
     elevation: f64,
     /// The distance of the free camera from the model's centre, in m; by default 1.5 times its extent.
-    #[arg(long, requires = "out")]
+    #[arg(long, requires = "shown")]
     distance: Option<f64>,
+}
+
+impl Picture {
+    fn free_camera(&self, model: &Model) -> CameraConfig {
+        let distance = self.distance.unwrap_or(1.5 * model.stat.extent);
+        CameraConfig::at(model.stat.center, distance, self.azimuth, self.elevation)
+    }
+
+    /// Aims the cameras of a live view.
+    #[cfg(feature = "human")]
+    pub(super) fn aim(&self, viewer: &mut Viewer) -> Result<()> {
+        let model = Arc::clone(viewer.model());
+        viewer.set_free_camera(&self.free_camera(&model))?;
+        match &self.camera {
+            Some(name) => viewer.use_camera(Some(view::camera(&model, name)?)),
+            None => Ok(()),
+        }
+    }
 }
 
 /// The largest width and height of a picture.
@@ -87,19 +111,13 @@ impl<'a> Film<'a> {
         } else {
             Some(Video::create(path, FPS)?)
         };
-        let camera = CameraConfig::at(
-            model.stat.center,
-            arguments.distance.unwrap_or(1.5 * model.stat.extent),
-            arguments.azimuth,
-            arguments.elevation,
-        );
         let options = Common {
             camera_name: arguments.camera.clone(),
-            default_camera_config: camera,
+            default_camera_config: arguments.free_camera(model),
             ..Common::default()
         };
         let view = options.view(model)?;
-        let (width, height) = arguments.size;
+        let (width, height) = arguments.size.unwrap_or((480, 360));
         Ok(Some(Self {
             path,
             view,

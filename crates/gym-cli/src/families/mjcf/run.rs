@@ -4,35 +4,20 @@ use std::fmt;
 use std::time::{Duration, Instant};
 
 use super::refused;
+use gym::Result;
 use gym::rng::RandomState;
-use gym::sim::engine::model::CompiledModel;
 use gym::sim::engine::{Data, Model, forward, step};
-use gym::{Error, Result};
+use gym::sim::viewer;
 
 /// The initial state, or that of a keyframe, which is given by its name or number.
 pub(super) fn start(model: &Model, keyframe: Option<&str>) -> Result<Data> {
     let mut data = Data::new(model);
     if let Some(name) = keyframe {
-        let number = name.parse().ok().filter(|key| *key < model.key_qpos.len());
-        let key = model.key_id(name).or(number).ok_or_else(|| {
-            let names = keyframes(model);
-            let known = if names.is_empty() { "none" } else { &names };
-            let reason = format!("there is no keyframe {name:?}: the model has {known}");
-            Error::argument("--keyframe", reason)
-        })?;
+        let key = viewer::keyframe(model, name)?;
         data.reset_keyframe(model, key).map_err(refused)?;
     }
     forward(model, &mut data);
     Ok(data)
-}
-
-/// The names of the keyframes; the number of one without a name.
-pub(super) fn keyframes(model: &CompiledModel) -> String {
-    let names = (0..model.key_qpos.len()).map(|key| match model.names.key.get(key) {
-        Some(Some(name)) => name.clone(),
-        _ => key.to_string(),
-    });
-    names.collect::<Vec<_>>().join(", ")
 }
 
 /// The results of a run.

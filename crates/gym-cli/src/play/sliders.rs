@@ -1,0 +1,354 @@
+//! Playing robots in a window: a slider for each number of an action.
+
+use std::time::{Duration, Instant};
+
+use gym::canvas::Canvas;
+use gym::render::{Frame, Window};
+use gym::sim::SimEnv;
+use gym::sim::engine::model::ObjectType;
+use gym::sim::viewer;
+
+use super::*;
+use crate::live::{Area, Input, Panel, Part, Rows, areas, short};
+
+/// The most numbers of an action that have sliders.
+const MOST: usize = 64;
+/// The duration for which the end of an episode is shown.
+const PAUSE: Duration = Duration::from_millis(800);
+/// The grey around a picture that has another shape than its area.
+const AROUND: u8 = 232;
+/// The most steps in a frame, if steps are slower than real time.
+const BEHIND: u32 = 4;
+
+/// A number of an action: its name, its range, and its value.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Slider {
+    name: String,
+    range: [f64; 2],
+    value: f64,
+}
+
+/// The sliders of an environment on a MuJoCo model; `None` for others, and for actions that are not
+/// some numbers in ranges.
+pub(super) fn sliders(env: &BoxEnv) -> Option<Vec<Slider>> {
+    let model = &env.layer::<SimEnv>()?.simulation().model;
+    let gym::Space::Box(space) = env.action_space() else {
+        return None;
+    };
+    let count = space.low().len();
+    if space.shape().len() != 1 || !(1..=MOST).contains(&count) {
+        return None;
+    }
+    let ranges = space.low().iter_f64().zip(space.high().iter_f64());
+    let slider = |(i, (low, high)): (usize, (f64, f64))| {
+        let is_bounded = low.is_finite() && high.is_finite();
+        is_bounded.then(|| Slider {
+            // an action that is not the controls has numbers of its own
+            name: match count == model.nu() {
+                true => viewer::name(model, ObjectType::Actuator, i),
+                false => format!("action {i}"),
+            },
+            range: [low, high],
+            value: 0.0_f64.clamp(low, high),
+        })
+    };
+    ranges.enumerate().map(slider).collect()
+}
+
+/// A window's content: a function of what a person does, and of the steps that are due.
+struct Stage<'a> {
+    session: &'a mut Session,
+    keys: &'a Keys,
+    sliders: Vec<Slider>,
+    picture: Part,
+    side: Part,
+    panel: Panel,
+    is_paused: bool,
+    /// Whether the pointer turns the camera.
+    turns: bool,
+    /// Whether the episode is over.
+    is_over: bool,
+}
+
+impl<'a> Stage<'a> {
+    fn new(session: &'a mut Session, keys: &'a Keys, sliders: Vec<Slider>) -> Self {
+        Self {
+            session,
+            keys,
+            sliders,
+            picture: Part::default(),
+            side: Part::default(),
+            panel: Panel::default(),
+            is_paused: false,
+            turns: false,
+            is_over: false,
+        }
+    }
+
+    /// Lets a person act, takes the steps that are due, and draws the result. Returns false once the
+    /// person quits.
+    fn update(&mut self, input: &Input, due: u32, window: &mut Frame) -> Result<bool> {
+        let [left, panel] = areas((window.width(), window.height()));
+        for key in &input.keys {
+            match key.as_str() {
+                "Escape" => return Ok(false),
+                "Space" => self.is_paused ^= true,
+                "Period" => self.step(input)?,
+                "R" if keys::action(self.keys, std::slice::from_ref(key)).is_none() => {
+                    self.reset()?;
+                }
+                "0" => self.clear(),
+                _ => {}
+            }
+        }
+        self.turn(input, left);
+        for _ in 0..due {
+            if !self.is_paused && !self.is_over {
+                self.advance(input)?;
+            }
+        }
+        let env = &self.session.env;
+        let units = env.metadata().render_size;
+        let area = left.fit(units);
+        window.pixels_mut().fill(AROUND);
+        self.picture
+            .draw_in(area, units, window, |canvas| env.draw(canvas))?;
+        let mut side = std::mem::take(&mut self.side);
+        let mut column = std::mem::take(&mut self.panel);
+        let mut result = Ok(());
+        let drawn = side.draw(panel, window, |canvas: &mut dyn Canvas| {
+            column.rows(panel, input, canvas, |rows| result = self.rows(rows, input));
+        });
+        (self.side, self.panel) = (side, column);
+        drawn.and(result).map(|()| true)
+    }
+
+    /// The action of the keys that are down, or else that of the sliders.
+    fn action(&self, input: &Input) -> Json {
+        keys::action(self.keys, &input.held).unwrap_or_else(|| {
+            let values: Vec<f64> = self.sliders.iter().map(|slider| slider.value).collect();
+            json!(values)
+        })
+    }
+
+    fn advance(&mut self, input: &Input) -> Result<()> {
+        let action = self.action(input);
+        self.is_over = self.session.step(&action)?;
+        Ok(())
+    }
+
+    /// Takes a single step, and pauses.
+    fn step(&mut self, input: &Input) -> Result<()> {
+        self.is_paused = true;
+        if self.is_over {
+            Ok(())
+        } else {
+            self.advance(input)
+        }
+    }
+
+    fn reset(&mut self) -> Result<()> {
+        self.is_over = false;
+        self.session.reset(Reset::default())
+    }
+
+    fn clear(&mut self) {
+        for Slider { range, value, .. } in &mut self.sliders {
+            *value = 0.0_f64.clamp(range[0], range[1]);
+        }
+    }
+
+    /// Lets the pointer turn the free camera: half a turn for a height of the picture.
+    fn turn(&mut self, input: &Input, area: Area) {
+        let is_over = area.contains(input.pointer.at);
+        if is_over && input.presses(|pointer| pointer.left) {
+            self.turns = true;
+        }
+        self.turns &= input.pointer.left;
+        let Some(env) = self.session.env.layer_mut::<SimEnv>() else {
+            return;
+        };
+        let height = f64::from(area.size.1.max(1));
+        let [x, y] = input.moved().map(|x| -180.0 * x / height);
+        if self.turns {
+            env.turn_camera(x, y, 1.0);
+        }
+        if is_over && input.pointer.wheel != 0.0 {
+            env.turn_camera(0.0, 0.0, 1.0 - 0.1 * input.pointer.wheel.clamp(-5.0, 5.0));
+        }
+    }
+
+    /// Draws the panel, and lets its buttons and sliders act.
+    fn rows(&mut self, rows: &mut Rows<'_>, input: &Input) -> Result<()> {
+        let session = &self.session;
+        rows.text(&session.trace.id);
+        rows.text(&format!(
+            "episode {}, step {}",
+            session.episode, session.steps
+        ));
+        rows.text(&format!("reward {}", short(session.reward)));
+        rows.text(&format!("return {}", short(session.score)));
+        rows.note("Space pauses, . steps, R restarts, 0 clears, Escape quits");
+        rows.note("drag turns the camera, the wheel moves it");
+        let run = if self.is_paused { "Run" } else { "Pause" };
+        match rows.buttons(&[run, "Step", "Reset", "all to zero"], |_| false) {
+            Some(0) => self.is_paused ^= true,
+            Some(1) => self.step(input)?,
+            Some(2) => self.reset()?,
+            Some(3) => self.clear(),
+            _ => {}
+        }
+        rows.heading("Action");
+        for slider in &mut self.sliders {
+            let new = rows.slider(&slider.name, slider.value, slider.range);
+            slider.value = new.unwrap_or(slider.value);
+        }
+        Ok(())
+    }
+}
+
+/// Plays until the window is closed.
+pub(super) fn play(
+    session: &mut Session,
+    keys: &Keys,
+    arguments: &Arguments,
+    sliders: Vec<Slider>,
+) -> Result<()> {
+    let fps = arguments
+        .fps
+        .unwrap_or(session.env.metadata().render_fps)
+        .max(1);
+    let period = Duration::from_secs(1) / fps;
+    let size = (session.frame.width() + 320, session.frame.height().max(480));
+    let mut stage = Stage::new(session, keys, sliders);
+    let mut window = Window::open(&stage.session.status(), size)?;
+    let (mut input, mut frame) = (Input::default(), Frame::default());
+    let mut next = Instant::now() + period;
+    let mut end = None;
+    while window.is_open() {
+        let size = window.fit();
+        if (frame.width(), frame.height()) != size {
+            frame = Frame::new(size.0, size.1)?;
+        }
+        input.next(&mut window);
+        let now = Instant::now();
+        let mut due = 0;
+        while next <= now && due < BEHIND {
+            next += period;
+            due += 1;
+        }
+        // what is further behind is dropped
+        next = next.max(now);
+        if !stage.update(&input, due, &mut frame)? {
+            return Ok(());
+        }
+        window.set_title(&stage.session.status());
+        window.show(&frame);
+        if !stage.is_over {
+            end = None;
+        } else if now >= *end.get_or_insert(now + PAUSE) {
+            if stage.session.is_last() {
+                return Ok(());
+            }
+            stage.reset()?;
+        }
+    }
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use clap::Parser;
+    use gym::render::Pointer;
+
+    #[derive(Parser)]
+    struct Line {
+        #[command(flatten)]
+        arguments: Arguments,
+    }
+
+    fn arguments(line: &str) -> Arguments {
+        let words = std::iter::once("play").chain(line.split_whitespace());
+        Line::try_parse_from(words).unwrap().arguments
+    }
+
+    #[test]
+    fn actions_of_robots_have_sliders_with_the_names_of_actuators() {
+        let of = |id: &str| sliders(&gym::make(id).unwrap());
+        let humanoid = of("Humanoid-v5").unwrap();
+        assert_eq!(humanoid.len(), 17);
+        assert_eq!(humanoid[0].name, "abdomen_y");
+        assert_eq!(humanoid[0].range.map(|x| (x * 10.0).round()), [-4.0, 4.0]);
+        assert_eq!(of("dm_control/walker-walk-v0").unwrap().len(), 6);
+        assert!(of("AdroitHandDoor-v1").unwrap().len() > 20);
+        assert_eq!((of("CartPole-v1"), of("Pendulum-v1")), (None, None));
+    }
+
+    #[test]
+    fn sliders_and_keys_are_the_action() {
+        let arguments = arguments("InvertedPendulum-v5 --seed 1");
+        let mut session = Session::start(&arguments).unwrap();
+        let keys = Keys::new(json!({"A": [2.0]}));
+        let sliders = sliders(&session.env).unwrap();
+        let mut stage = Stage::new(&mut session, &keys, sliders);
+        let mut frame = Frame::new(900, 480).unwrap();
+        let mut input = Input::default();
+        let mut pass = |stage: &mut Stage<'_>, pointer: Pointer, held: &[&str], due| {
+            let held = held.iter().map(|key| (*key).to_owned()).collect();
+            input.follow(pointer, held);
+            assert!(stage.update(&input, due, &mut frame).unwrap());
+            frame.clone()
+        };
+        let idle = Pointer::default();
+        let first = pass(&mut stage, idle, &[], 0);
+        let place = |stage: &Stage<'_>, name: &str, part: f64| {
+            let places = &stage.panel.places;
+            let (_, min, size) = places.iter().find(|(other, ..)| other == name).unwrap();
+            Pointer {
+                at: [580.0 + min[0] + part * size[0], min[1] + size[1] / 2.0],
+                left: true,
+                ..idle
+            }
+        };
+        let name = stage.sliders[0].name.clone();
+        let at = place(&stage, &name, 0.6);
+        pass(&mut stage, at, &[], 0);
+        pass(&mut stage, idle, &[], 3);
+        let taken = |stage: &Stage<'_>| stage.session.trace.events.last().unwrap().step.clone();
+        let force = taken(&stage).unwrap()[0].as_f64().unwrap();
+        assert!((force - 0.6).abs() < 1e-9, "{force}");
+        assert_eq!((stage.session.steps, stage.session.score), (3, 3.0));
+        assert!(pass(&mut stage, idle, &[], 0) != first);
+        pass(&mut stage, idle, &["A"], 1);
+        assert_eq!(taken(&stage), Some(json!([2.0])));
+        pass(&mut stage, idle, &["Space"], 1);
+        assert_eq!(stage.session.steps, 4, "it is paused");
+        pass(&mut stage, idle, &["Period"], 1);
+        assert_eq!(stage.session.steps, 5);
+        pass(&mut stage, idle, &["0"], 0);
+        assert_eq!(stage.sliders[0].value, 0.0);
+        let at = place(&stage, "Reset", 0.5);
+        pass(&mut stage, at, &[], 0);
+        assert_eq!((stage.session.steps, stage.session.episode), (0, 2));
+        // the camera turns and comes nearer
+        let drag = |x: f64| Pointer {
+            at: [x, 100.0],
+            left: true,
+            ..idle
+        };
+        let before = pass(&mut stage, idle, &[], 0);
+        pass(&mut stage, drag(100.0), &[], 0);
+        pass(&mut stage, drag(200.0), &[], 0);
+        let turned = pass(&mut stage, idle, &[], 0);
+        assert!(before != turned);
+        let wheel = Pointer {
+            at: [100.0; 2],
+            wheel: 2.0,
+            ..idle
+        };
+        assert!(pass(&mut stage, wheel, &[], 0) != turned);
+        input.follow(idle, vec!["Escape".to_owned()]);
+        assert!(!stage.update(&input, 0, &mut frame).unwrap());
+    }
+}

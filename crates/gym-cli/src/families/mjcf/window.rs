@@ -291,7 +291,7 @@ impl Live {
             short(kinetic),
             short(potential)
         ));
-        rows.note(&format!("{} contacts", data.contact.len()));
+        rows.note(&format!("contacts: {}", data.contact.len()));
         if let Some(error) = &self.error {
             rows.error(error);
         }

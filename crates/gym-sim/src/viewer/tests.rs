@@ -135,12 +135,11 @@ fn wrong_numbers_are_refused() {
 }
 
 /// The forces that `mjv_initPerturb` and `mjv_applyPerturbForce` of libmujoco 3.12.0 give: the body,
-/// the point in its frame, the target, the mass at the point, force and torque.
-const PULLS: [(usize, [f64; 3], [f64; 3], f64, [f64; 6]); 3] = [
+/// the point in its frame and the target, the mass at the point, force and torque.
+const PULLS: [(usize, [[f64; 3]; 2], f64, [f64; 6]); 3] = [
     (
         1,
-        [0.1, 0.02, -0.1],
-        [0.5, 0.1, 1.2],
+        [[0.1, 0.02, -0.1], [0.5, 0.1, 1.2]],
         95.209_860_839_438_11,
         [
             3_246.172_961_482_119_7,
@@ -153,8 +152,7 @@ const PULLS: [(usize, [f64; 3], [f64; 3], f64, [f64; 6]); 3] = [
     ),
     (
         2,
-        [0.01, 0.03, -0.35],
-        [0.6, -0.3, 0.4],
+        [[0.01, 0.03, -0.35], [0.6, -0.3, 0.4]],
         1.837_180_812_535_171_4,
         [
             114.491_715_581_258_38,
@@ -167,8 +165,7 @@ const PULLS: [(usize, [f64; 3], [f64; 3], f64, [f64; 6]); 3] = [
     ),
     (
         3,
-        [0.1, 0.05, 0.12],
-        [-0.4, 0.5, 0.9],
+        [[0.1, 0.05, 0.12], [-0.4, 0.5, 0.9]],
         11.412_396_355_431_571,
         [
             132.954_417_540_777_8,
@@ -189,7 +186,7 @@ fn a_pull_is_that_of_mujocos_viewer() {
     let qvel = [0.5, -0.4, 0.3, 0.1, -0.2, 0.3, 1.0, -2.0, 0.5];
     data.qvel.copy_from_slice(&qvel);
     forward(&model, &mut data);
-    for (body, local, target, mass, expected) in PULLS {
+    for (body, [local, target], mass, expected) in PULLS {
         use mujoco_engine::math::{add, rotate};
         let hit = Hit {
             geom: 0,

@@ -192,7 +192,7 @@ impl Vector {
     /// Makes a vector of `num_envs` environments `id`, each with the same arguments and the
     /// wrappers of `make`.
     #[new]
-    #[pyo3(signature = (id, num_envs, kind, kwargs, render_mode, max_episode_steps, autoreset, threads, copy, wrappers = "[]", each = "{}", render_size = None))]
+    #[pyo3(signature = (id, num_envs, kind, kwargs, render_mode, max_episode_steps, autoreset, threads, copy, wrappers = "[]", each = "{}", render_size = None, affinity = None))]
     #[expect(clippy::too_many_arguments, reason = "the Python side names them")]
     fn new(
         id: &str,
@@ -207,6 +207,7 @@ impl Vector {
         wrappers: &str,
         each: &str,
         render_size: Option<(u32, u32)>,
+        affinity: Option<usize>,
     ) -> PyResult<Self> {
         guard(|| {
             let map: Kwargs = from_json(id, kwargs)?;
@@ -239,6 +240,9 @@ impl Vector {
             }
             if let Some(threads) = threads {
                 vector = vector.threads(threads);
+            }
+            if let Some(first) = affinity {
+                vector = vector.affinity(first);
             }
             let (spec, made) = vector.resolve().or_raise()?;
             let envs = match made {

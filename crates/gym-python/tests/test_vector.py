@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+import sys
 
 import gymnasium
 import numpy as np
@@ -83,6 +84,10 @@ def test_masks(kind: str) -> None:
 def test_constructor_arguments() -> None:
     envs = rustgym.make_vec("FrozenLake-v1", 3, map_name="8x8", autoreset_mode=AutoresetMode.SAME_STEP, kind="async", threads=2)
     assert envs.single_observation_space.n == 64 and envs.kind == "async"
+    with pytest.raises(ValueError, match="choose kind async"):
+        rustgym.VectorEnv("CartPole-v1", 3, affinity=0)
+    if sys.platform == "linux":
+        assert rustgym.VectorEnv("CartPole-v1", 3, kind="async", affinity=0).reset(seed=0)[0].shape == (3, 4)
     with pytest.raises(TypeError, match="map_nam"):
         rustgym.VectorEnv("FrozenLake-v1", 3, map_nam="8x8")
     with pytest.raises(ValueError, match="kind"):

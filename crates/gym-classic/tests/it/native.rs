@@ -303,3 +303,26 @@ fn an_action_of_an_environment_that_is_due_is_ignored() {
     envs.step_into(&actions([-1, 1, 5]), &mut columns).unwrap();
     assert_eq!(columns.truncated, [false, true, false]);
 }
+
+/// Vectors without threads refuse to bind them to cores. Specs keep the core.
+#[cfg(target_os = "linux")]
+#[test]
+fn threads_are_bound_where_there_are_threads() {
+    let bound = |kind: Option<VectorKind>| {
+        let vector = builder("CartPole-v1").vector(4).affinity(0);
+        match kind {
+            Some(kind) => vector.kind(kind),
+            None => vector,
+        }
+    };
+    for kind in [Some(VectorKind::Sync), Some(VectorKind::Native), None] {
+        let error = bound(kind).build().map(drop).unwrap_err().to_string();
+        assert!(error.contains("choose kind async"), "{error}");
+    }
+    let spec = bound(Some(VectorKind::Async)).spec().unwrap();
+    let text = serde_json::to_string(&spec).unwrap();
+    assert!(text.contains("\"affinity\":0"), "{text}");
+    let read: gym_core::vector::VectorSpec = serde_json::from_str(&text).unwrap();
+    assert_eq!(read, spec);
+    read.make().unwrap();
+}

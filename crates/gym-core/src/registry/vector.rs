@@ -54,6 +54,11 @@ impl VectorSpec {
             vector_wrappers: Vec::new(),
             ..self.clone()
         };
+        if self.affinity.is_some() && self.vectorization_mode != VectorKind::Async {
+            let reason =
+                "affinity binds threads, which only an async vector has: choose kind async";
+            return Err(Error::argument("a vector", reason));
+        }
         match self.vectorization_mode {
             VectorKind::Sync => {
                 let vector = SyncVectorEnv::new(self.envs()?)?;
@@ -102,6 +107,9 @@ impl VectorSpec {
         }
         if let Some(threads) = self.threads {
             vector = vector.with_threads(threads)?;
+        }
+        if let Some(first) = self.affinity {
+            vector = vector.with_affinity(first)?;
         }
         let spec = Self {
             vectorization_mode: VectorKind::Async,
@@ -200,6 +208,14 @@ impl VectorBuilder {
     #[must_use]
     pub fn threads(self, threads: usize) -> Self {
         self.change(|spec| spec.threads = Some(threads))
+    }
+
+    /// Binds the threads of an async vector to cores: the first one to core `first` of those that
+    /// the program may use, the second one to the next, and so on, around the end. The default lets
+    /// the operating system choose. Other kinds refuse it.
+    #[must_use]
+    pub fn affinity(self, first: usize) -> Self {
+        self.change(|spec| spec.affinity = Some(first))
     }
 
     /// The spec with all options.

@@ -100,6 +100,10 @@ pub struct VectorSpec {
     /// The number of threads of an async vector; `None` for one per core.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub threads: Option<usize>,
+    /// The core of an async vector's first thread, if its threads are bound to cores:
+    /// [`AsyncVectorEnv::with_affinity`](crate::vector::AsyncVectorEnv::with_affinity).
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub affinity: Option<usize>,
     /// Arguments that differ between the sub-environments.
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
     pub each: BTreeMap<String, Each>,
@@ -195,6 +199,7 @@ impl VectorSpec {
             vectorization_mode: kind,
             autoreset_mode: Autoreset::default(),
             threads: None,
+            affinity: None,
             each: BTreeMap::new(),
             vector_wrappers: Vec::new(),
         }

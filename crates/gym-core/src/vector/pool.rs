@@ -8,6 +8,7 @@
 //! sub-environment held its own result, the calling thread would wait for one cache miss per
 //! sub-environment, because the result is in the cache of the worker's core.
 
+mod cores;
 mod workers;
 
 use std::any::Any;
@@ -53,6 +54,8 @@ pub struct AsyncVectorEnv<E: Env = BoxEnv> {
     /// [`Lockstep`](super::lockstep::Lockstep).
     lockstep: Option<Box<dyn SlotGroup<E>>>,
     pool: Pool<E>,
+    /// The core of the first thread, if threads are bound to cores.
+    affinity: Option<usize>,
     spaces: Arc<Spaces>,
     autoreset: Autoreset,
     spec: Option<VectorSpec>,
@@ -91,6 +94,7 @@ impl<E: Env> AsyncVectorEnv<E> {
             slots.len(),
             &spaces,
             None,
+            None,
         )?;
         let first = slots.first().map(|slot| &*slot.env);
         let metadata = first.map_or_else(Metadata::default, Env::metadata);
@@ -102,6 +106,7 @@ impl<E: Env> AsyncVectorEnv<E> {
             all_go_on: false,
             lockstep: None,
             pool,
+            affinity: None,
             spaces,
             autoreset: Autoreset::default(),
             spec: None,
@@ -120,29 +125,40 @@ impl<E: Env> AsyncVectorEnv<E> {
             let reason = format!("threads is {threads}: it must be from 1 to {MAX_THREADS}");
             return Err(Error::argument("an async vector", reason));
         }
+        let threads = threads.min(self.home.len());
+        self.with_pool(threads)
+    }
+
+    /// Binds the threads to cores, as EnvPool's `thread_affinity_offset` does: the first thread to
+    /// core `first` of those that the program may use, the second one to the next, and so on, around
+    /// the end. The results do not depend on it.
+    ///
+    /// # Errors
+    /// [`Error::InvalidArgument`] if there is no core `first`; [`Error::Custom`] while
+    /// sub-environments are pending, or if the operating system cannot bind threads.
+    pub fn with_affinity(self, first: usize) -> Result<Self> {
+        let affinity = Some(first);
+        let threads = self.num_threads();
+        Self { affinity, ..self }.with_pool(threads)
+    }
+
+    /// Lets the sub-environments of a group step together.
+    pub(crate) fn in_lockstep(self, lockstep: Box<dyn SlotGroup<E>>) -> Result<Self> {
+        let (lockstep, threads) = (Some(lockstep), self.num_threads());
+        Self { lockstep, ..self }.with_pool(threads)
+    }
+
+    /// Replaces the threads.
+    fn with_pool(self, threads: usize) -> Result<Self> {
         if self.num_pending() > 0 {
             return Err(Error::custom(
                 "sub-environments are still pending: receive them first",
             ));
         }
+        let lockstep = self.lockstep.as_deref();
         let n = self.home.len();
         Ok(Self {
-            pool: Pool::new(threads.min(n), n, &self.spaces, self.lockstep.as_deref())?,
-            ..self
-        })
-    }
-
-    /// Lets the sub-environments of a group step together.
-    pub(crate) fn in_lockstep(self, lockstep: Box<dyn SlotGroup<E>>) -> Result<Self> {
-        let pool = Pool::new(
-            self.num_threads(),
-            self.home.len(),
-            &self.spaces,
-            Some(&*lockstep),
-        )?;
-        Ok(Self {
-            pool,
-            lockstep: Some(lockstep),
+            pool: Pool::new(threads, n, &self.spaces, lockstep, self.affinity)?,
             ..self
         })
     }

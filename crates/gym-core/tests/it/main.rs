@@ -1,5 +1,7 @@
 //! Tests through the public interface.
 
+#[cfg(target_os = "linux")]
+mod affinity;
 mod edges;
 mod families;
 mod groups;

@@ -102,6 +102,7 @@ class Vector:
         wrappers: str = "[]",
         each: str = "{}",
         render_size: tuple[int, int] | None = None,
+        affinity: int | None = None,
     ) -> Vector: ...
     @property
     def kind(self) -> str: ...

@@ -77,6 +77,8 @@ class VectorEnv(gymnasium.vector.VectorEnv[Any, Any, Any]):
             All give the same results, to the last bit.
         autoreset_mode: When environments are reset whose episode has ended: ``AutoresetMode`` or its value.
         threads: How many threads an async vector has; one for each core unless given. It makes no difference to results.
+        affinity: The core of an async vector's first thread; the next thread has the next core, and so on, around the end of those
+            that the program may use. Unless given, the operating system chooses.
         copy: With ``True`` each call returns new arrays. With ``False`` two sets of arrays take turns: what a call returned
             is valid until the call after next, which is enough for ``obs, next_obs`` and saves some allocations.
         arg_each: An argument for each environment, by name: a list with one value for each, or a pair ``(low, high)``, from which
@@ -114,6 +116,7 @@ class VectorEnv(gymnasium.vector.VectorEnv[Any, Any, Any]):
         kind: str | None = None,
         autoreset_mode: AutoresetMode | str = AutoresetMode.NEXT_STEP,
         threads: int | None = None,
+        affinity: int | None = None,
         copy: bool = True,
         max_episode_steps: int | None = None,
         render_mode: str | None = None,
@@ -129,6 +132,8 @@ class VectorEnv(gymnasium.vector.VectorEnv[Any, Any, Any]):
         num_envs = _whole("num_envs", num_envs, 1)
         if threads is not None:
             threads = _whole("threads", threads, 1)
+        if affinity is not None:
+            affinity = _whole("affinity", affinity, 0)
         if max_episode_steps is not None:
             max_episode_steps = _whole("max_episode_steps", max_episode_steps, -1)
         if not isinstance(copy, bool | np.bool_):
@@ -183,6 +188,7 @@ class VectorEnv(gymnasium.vector.VectorEnv[Any, Any, Any]):
             self._wrappers,
             to_json(each),
             render_size,
+            affinity,
         )
         self.kind = self._native.kind
         self._take_spaces()

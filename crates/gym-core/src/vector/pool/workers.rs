@@ -9,6 +9,7 @@ use std::thread::{self, JoinHandle};
 use super::super::lockstep::{SlotGroup, is_cached, serve_all};
 use super::super::slot::{Request, Slot, Spaces};
 use super::super::{Autoreset, Columns};
+use super::cores;
 use crate::env::Env;
 use crate::value::{Error, Result, Value};
 
@@ -56,13 +57,16 @@ struct Job<E> {
 }
 
 impl<E: Env> Pool<E> {
-    /// Threads for `n` sub-environments.
+    /// Threads for `n` sub-environments. With `affinity`, each is bound to a core, the first one to
+    /// core `affinity` of those that the program may use.
     pub(super) fn new(
         threads: usize,
         n: usize,
         spaces: &Arc<Spaces>,
         lockstep: Option<&dyn SlotGroup<E>>,
+        affinity: Option<usize>,
     ) -> Result<Self> {
+        let cores = affinity.map(cores::from).transpose()?;
         let (jobs, queue) = channel();
         let (answers, results) = channel();
         let stop = Arc::new(AtomicBool::new(false));
@@ -74,6 +78,7 @@ impl<E: Env> Pool<E> {
             spare: Vec::new(),
         };
         let queue = Arc::new(Mutex::new(queue));
+        let (report, bound) = channel();
         for i in 0..threads {
             let mut worker = Worker {
                 queue: queue.clone(),
@@ -83,9 +88,17 @@ impl<E: Env> Pool<E> {
                 lockstep: lockstep.map(SlotGroup::new_empty),
                 is_cached: is_cached(n.div_ceil(threads)),
             };
+            let bind = cores
+                .as_ref()
+                .map(|cores| (cores[i % cores.len()], report.clone()));
             let worker = thread::Builder::new()
                 .name(format!("gym-vector-{i}"))
-                .spawn(move || worker.run())
+                .spawn(move || {
+                    if let Some((core, report)) = bind {
+                        let _ = report.send(core.bind());
+                    }
+                    worker.run();
+                })
                 .map_err(|error| {
                     Error::custom(format!(
                         "the system gives no thread for an async vector: {error}"
@@ -93,6 +106,9 @@ impl<E: Env> Pool<E> {
                 })?;
             pool.workers.push(worker);
         }
+        drop(report);
+        // one report from each thread that binds itself
+        bound.iter().collect::<Result<()>>()?;
         Ok(pool)
     }
 

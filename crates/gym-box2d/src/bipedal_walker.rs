@@ -2,23 +2,12 @@
 //!
 //! | | |
 //! |---|---|
-//! | observation | motion of the hull, joints and contacts of the legs, ten distances by lidar; `Box(24, float32)`, see below |
+//! | observation | angle of the hull, counterclockwise (rad), its angular velocity (25 rad/s), its velocity x, y (8.33 m/s, 12.5 m/s); for each leg angle and speed of the hip (rad, 4 rad/s), angle plus 1 and speed of the knee (rad, 6 rad/s), whether it touches the ground (0 or 1); ten distances of the ground by lidar, from straight down to nearly ahead (5.33 m; 1 if there is none); `Box(24, float32)` |
 //! | action | hip and knee of the first leg, hip and knee of the second: direction and strength of the motor, as a share of 80 N m; `Box(-1, 1, (4,), float32)` |
 //! | reward | 130/30 per m forward, less 5 per rad that the hull tilts, less 0.028 per step for each motor at full strength; -100 for a fall |
 //! | start | standing, with a random push; reset options: none |
 //! | end | terminated when the hull touches the ground, the walker goes back beyond the start, or reaches the end |
 //! | limit | 1600 steps (hardcore: 2000) |
-//!
-//! | number | observation | unit |
-//! |---|---|---|
-//! | 0 | angle of the hull, counterclockwise | rad |
-//! | 1 | its angular velocity | 25 rad/s |
-//! | 2, 3 | its velocity x, y | 8.33 m/s, 12.5 m/s |
-//! | 4, 5 | angle and speed of the first hip | rad, 4 rad/s |
-//! | 6, 7 | angle of the first knee, plus 1, and its speed | rad, 6 rad/s |
-//! | 8 | whether the first leg touches the ground | 0 or 1 |
-//! | 9 to 13 | the same of the second leg | |
-//! | 14 to 23 | distance of the ground by lidar, from straight down to nearly ahead | 5.33 m; 1 if there is none |
 //!
 //! Differences from Gymnasium: each reset builds a new world, so an episode depends only on its
 //! seed. In Gymnasium, this holds only for the first episode of a new environment, which equals the
@@ -42,8 +31,8 @@ use gym_core::registry::Clip;
 use gym_core::render::Metadata;
 use gym_core::vector::lockstep::Lockstep;
 use gym_core::{
-    Configure, Continuous, Env, Error, Generator, Inspect, Keys, Outcome, Policy, Registration,
-    Reset, Result, Snapshot, Space,
+    Configure, Continuous, Env, Error, Generator, Inspect, Keys, Names, Outcome, Policy,
+    Registration, Reset, Result, Snapshot, Space,
 };
 use serde::{Deserialize, Serialize};
 use serde_json::{Value as Json, json};
@@ -329,11 +318,38 @@ const WORLD: (&str, &str) = (
     "snapshot-legal",
     "which forces and velocities of the bodies an episode reaches cannot be told from a snapshot, only that they are finite",
 );
+/// The numbers of observations and actions.
+fn names() -> Names {
+    let mut observation = vec![
+        "angle of the hull, counterclockwise (rad)".to_owned(),
+        "angular velocity of the hull (25 rad/s)".to_owned(),
+        "velocity x of the hull (8.33 m/s)".to_owned(),
+        "velocity y of the hull (12.5 m/s)".to_owned(),
+    ];
+    let mut action = Vec::new();
+    for leg in ["first", "second"] {
+        observation.extend([
+            format!("angle of the {leg} hip (rad)"),
+            format!("speed of the {leg} hip (4 rad/s)"),
+            format!("angle of the {leg} knee, plus 1 (rad)"),
+            format!("speed of the {leg} knee (6 rad/s)"),
+            format!("whether the {leg} leg touches the ground"),
+        ]);
+        action.extend(["hip", "knee"].map(|joint| format!("motor of the {leg} {joint} (80 N m)")));
+    }
+    observation.extend((0..10).map(|i| format!("distance by lidar {i} (5.33 m)")));
+    Names {
+        observation,
+        action,
+    }
+}
+
 /// The registration shared by all ids.
 const fn walker(id: &'static str) -> Registration {
     Registration::new::<BipedalWalker>(id)
         .description("Walk on two legs over slightly uneven ground.")
         .exceptions(&[WORLD])
+        .names(|_| names())
         .max_episode_steps(1600)
         .reward_threshold(300.0)
         // hip and knee of one leg, then of the other

@@ -2,20 +2,12 @@
 //!
 //! | | |
 //! |---|---|
-//! | observation | position, velocity, angle and angular velocity of the craft, contacts of its legs; `Box(8, float32)`, see below |
+//! | observation | position x, y of the craft from the middle of the pad (10 m, 6.67 m), velocity x, y (5 m/s, 7.5 m/s), angle from upright, counterclockwise (rad), angular velocity (2.5 rad/s), whether the left and the right leg touch the ground (0 or 1); `Box(8, float32)` |
 //! | action | [`Action`]: one engine at a time, `Discrete(4)`, or with `continuous` two throttles, `Box(-1, 1, (2,), float32)`: the main engine is off up to 0 and goes from half to full power at 1; the left engine fires below -0.5, the right one above 0.5 |
 //! | reward | the step's increase of a potential, which is higher near the pad, at low speed, upright and with legs on the ground; less 0.3 for the main engine and 0.03 for a side engine; -100 for a crash, +100 for coming to rest |
 //! | start | top centre, with a random push; reset options: none |
 //! | end | terminated when the hull touches the ground, or the craft leaves the picture at a side or comes to rest |
 //! | limit | 1000 steps |
-//!
-//! | number | observation | unit |
-//! |---|---|---|
-//! | 0, 1 | position x, y, from the middle of the pad | 10 m, 6.67 m |
-//! | 2, 3 | velocity x, y | 5 m/s, 7.5 m/s |
-//! | 4 | angle from upright, counterclockwise | rad |
-//! | 5 | angular velocity | 2.5 rad/s |
-//! | 6, 7 | whether the left and the right leg touch the ground | 0 or 1 |
 //!
 //! Versions: v3 draws a new wind at each reset and widens the bounds of the observation; v2, which
 //! Gymnasium has removed, draws its wind from a copy of the environment's generator; Gym drew it
@@ -37,7 +29,7 @@ use gym_core::registry::Clip;
 use gym_core::render::Metadata;
 use gym_core::vector::lockstep::Lockstep;
 use gym_core::{
-    Configure, Continuous, Element, Env, Error, Generator, Inspect, Keys, Outcome, Policy,
+    Configure, Continuous, Element, Env, Error, Generator, Inspect, Keys, Names, Outcome, Policy,
     Registration, Reset, Result, Snapshot, Space, Value,
 };
 use serde::{Deserialize, Serialize};
@@ -464,6 +456,18 @@ const SPINS: (&str, &str) = (
     "a craft that spins beyond a full turn leaves the bounds, in Gymnasium too",
 );
 
+/// The numbers of an observation.
+const NUMBERS: &[&str] = &[
+    "x from the middle of the pad (10 m)",
+    "y from the middle of the pad (6.67 m)",
+    "velocity x (5 m/s)",
+    "velocity y (7.5 m/s)",
+    "angle from upright, counterclockwise (rad)",
+    "angular velocity (2.5 rad/s)",
+    "whether the left leg touches the ground",
+    "whether the right leg touches the ground",
+];
+
 /// The registration shared by all ids.
 const fn lander(id: &'static str) -> Registration {
     Registration::new::<LunarLander>(id)
@@ -472,6 +476,13 @@ const fn lander(id: &'static str) -> Registration {
         .max_episode_steps(1000)
         .reward_threshold(200.0)
         .actions(Engine::VARIANTS)
+        .names(|env| {
+            let action: &[_] = match env.action_space() {
+                Space::Discrete(_) => &[],
+                _ => &["main engine", "left engine (-1) or right engine (1)"],
+            };
+            Names::new(NUMBERS, action)
+        })
         .keys(|env| match env.action_space() {
             Space::Discrete(_) => Keys::new(json!({"Left": 1, "Up": 2, "Right": 3})).idle(json!(0)),
             _ => Keys::new(json!({"Up": [1, 0], "Left": [0, -1], "Right": [0, 1]}))

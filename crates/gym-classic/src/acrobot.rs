@@ -25,7 +25,8 @@ use gym_core::policy::reflex;
 use gym_core::registry::Clip;
 use gym_core::render::Metadata;
 use gym_core::{
-    ArgumentType, Generator, Keys, Policy, Registration, Reset, Result, Space, Stateful, Task,
+    ArgumentType, Generator, Keys, Names, Policy, Registration, Reset, Result, Space, Stateful,
+    Task,
 };
 use gym_native::{Compared, Equations, Next};
 use serde::{Deserialize, Serialize};
@@ -560,6 +561,17 @@ gym_core::register!(
         .reset_options(&[("low", "-0.05"), ("high", "0.05")])
         .vector_entry_point(gym_native::entry_point::<AcrobotDynamics>)
         .light_step()
+        .names(|_| Names::new(
+            &[
+                "cosine of the first angle",
+                "sine of the first angle",
+                "cosine of the second angle",
+                "sine of the second angle",
+                "first angular velocity (rad/s)",
+                "second angular velocity (rad/s)"
+            ],
+            &[]
+        ))
         .actions(Action::VARIANTS)
         .keys(|_| Keys::new(json!({"Left": 0, "Right": 2})).idle(json!(1)))
         .policy(Policy::rules(

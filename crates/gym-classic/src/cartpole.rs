@@ -24,8 +24,8 @@ use gym_core::policy::reflex;
 use gym_core::registry::Clip;
 use gym_core::render::Metadata;
 use gym_core::{
-    ArgumentType, Generator, Keys, Policy, Registration, Reset, Result, Space, Stateful, Task,
-    Transition, pygame,
+    ArgumentType, Generator, Keys, Names, Policy, Registration, Reset, Result, Space, Stateful,
+    Task, Transition, pygame,
 };
 use gym_native::{Compared, Equations, Next};
 use serde::{Deserialize, Serialize};
@@ -476,6 +476,17 @@ const fn cartpole(id: &'static str) -> Registration {
         .exceptions(reset::EXCEPTIONS)
         .vector_entry_point(gym_native::entry_point::<CartPoleDynamics>)
         .light_step()
+        .names(|_| {
+            Names::new(
+                &[
+                    "cart position (m)",
+                    "cart velocity (m/s)",
+                    "pole angle (rad)",
+                    "pole angular velocity (rad/s)",
+                ],
+                &[],
+            )
+        })
         .actions(Action::VARIANTS)
         .keys(|_| Keys::new(json!({"Left": 0, "Right": 1})).repeat())
         .policy(Policy::rules(

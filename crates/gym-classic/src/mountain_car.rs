@@ -19,7 +19,8 @@ use gym_core::policy::reflex;
 use gym_core::registry::Clip;
 use gym_core::render::Metadata;
 use gym_core::{
-    Error, Generator, Keys, Policy, Registration, Reset, Result, Space, Stateful, Task, pygame,
+    Error, Generator, Keys, Names, Policy, Registration, Reset, Result, Space, Stateful, Task,
+    pygame,
 };
 use gym_native::{Compared, Equations, Next};
 use serde::{Deserialize, Serialize};
@@ -422,6 +423,7 @@ gym_core::register!(
         .exceptions(reset::EXCEPTIONS)
         .vector_entry_point(gym_native::entry_point::<MountainCarDynamics>)
         .light_step()
+        .names(|_| Names::new(&["position", "velocity (per step)"], &[]))
         .actions(Action::VARIANTS)
         .keys(|_| Keys::new(json!({"Left": 0, "Right": 2})).idle(json!(1)))
         .policy(Policy::rules(

@@ -22,7 +22,8 @@ use gym_core::policy::reflex;
 use gym_core::registry::Clip;
 use gym_core::render::Metadata;
 use gym_core::{
-    Continuous, Error, Generator, Keys, Policy, Registration, Reset, Result, Space, Stateful, Task,
+    Continuous, Error, Generator, Keys, Names, Policy, Registration, Reset, Result, Space,
+    Stateful, Task,
 };
 use gym_native::{Compared, Equations, Next};
 use serde::{Deserialize, Serialize};
@@ -373,6 +374,7 @@ gym_core::register!(
         .exceptions(reset::EXCEPTIONS)
         .vector_entry_point(gym_native::entry_point::<MountainCarContinuousDynamics>)
         .light_step()
+        .names(|_| Names::new(&["position", "velocity (per step)"], &["force"]))
         .keys(|_| Keys::new(json!({"Left": [-1], "Right": [1]})).idle(json!([0])))
         .policy(Policy::rules(
             "drives in the direction of the velocity, with force 0.4",

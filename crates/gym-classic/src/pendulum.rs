@@ -22,8 +22,8 @@ use gym_core::policy::reflex;
 use gym_core::registry::Clip;
 use gym_core::render::Metadata;
 use gym_core::{
-    Continuous, Generator, Keys, Policy, Precision, Registration, Reset, Result, Space, Stateful,
-    Task, Transition, pygame,
+    Continuous, Generator, Keys, Names, Policy, Precision, Registration, Reset, Result, Space,
+    Stateful, Task, Transition, pygame,
 };
 use gym_native::{Compared, Equations, Next};
 use serde::{Deserialize, Serialize};
@@ -381,6 +381,14 @@ gym_core::register!(
         .reset_options(&[("x_init", "0.5"), ("y_init", "0.5")])
         .vector_entry_point(gym_native::entry_point::<PendulumDynamics>)
         .light_step()
+        .names(|_| Names::new(
+            &[
+                "cosine of the angle",
+                "sine of the angle",
+                "angular velocity (rad/s)"
+            ],
+            &["torque (N m)"]
+        ))
         .keys(|_| {
             // a positive torque is counterclockwise
             Keys::new(json!({"Left": [2], "Right": [-2]})).idle(json!([0]))

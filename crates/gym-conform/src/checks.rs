@@ -188,7 +188,7 @@ pub const CHECKS: &[Check] = &[
         registered::sound,
         &EPISODES,
         "pages, plots and demos use what a registration says",
-        "give a finite threshold, a name per action, and a policy whose actions lie in the space",
+        "give a finite threshold, a name per action and per number, and a policy whose actions lie in the space",
     ),
     error(
         "info-consistent",

@@ -3,6 +3,7 @@
 use crate::subject::{SEEDS, Subject};
 use crate::verdict::{Verdict, broken, skipped};
 use gym_core::keys::{Idle, Keys};
+use gym_core::names::parts;
 use gym_core::registry::Clip;
 use gym_core::{Env, EnvExt, Policy, Space};
 
@@ -52,8 +53,8 @@ pub(crate) fn versioned(subject: &Subject<'_>) -> Verdict {
     }
 }
 
-/// Checks that the threshold is a number, that names, keys and the good policy are those of actions
-/// in the space, and that the clip has frames.
+/// Checks that the threshold is a number, that each number has one name, that actions, keys and the
+/// good policy are in the space, and that the clip has frames.
 pub(crate) fn sound(subject: &Subject<'_>) -> Verdict {
     let (Some(registration), Some(spec)) = (&subject.registration, &subject.spec) else {
         return skipped("it is not registered");
@@ -63,7 +64,18 @@ pub(crate) fn sound(subject: &Subject<'_>) -> Verdict {
     }
     let env = subject.reset(SEEDS[0])?;
     let (page, space) = (&registration.page, env.action_space());
-    names(page.actions, &space)?;
+    of_actions(page.actions, &space)?;
+    if let Some(names) = page.names {
+        let names = names(&env);
+        for (of, space, names) in [
+            ("observation", &env.observation_space(), &names.observation),
+            ("action", &space, &names.action),
+        ] {
+            if let Err(error) = parts(space, names) {
+                return broken(format!("the names of an {of}'s numbers: {error}"));
+            }
+        }
+    }
     if let Some(keys) = page.keys {
         let Keys { actions, idle } = keys(&env);
         let idle = match idle {
@@ -93,7 +105,7 @@ pub(crate) fn sound(subject: &Subject<'_>) -> Verdict {
 }
 
 /// Checks the names of actions and their meanings.
-fn names(actions: &[(&str, &str)], space: &Space) -> Verdict {
+fn of_actions(actions: &[(&str, &str)], space: &Space) -> Verdict {
     if let Space::Discrete(discrete) = space
         && actions.len() as i128 > i128::from(discrete.n())
     {

@@ -44,7 +44,7 @@ pub use env::{
     BoxEnv, Configure, Dynamics, Env, EnvExt, Goals, Inspect, NoArguments, Outcome, Stateful, Step,
     Task, Transition, Wrapper, equations,
 };
-pub use play::{Keys, Policy, keys, policy};
+pub use play::{Keys, Names, Policy, keys, names, policy};
 pub use registry::{Registration, builder, make, make_vec};
 pub use spaces::{Sampler, Space};
 pub use spec::{Argument, ArgumentType, Arguments, EnvSpec, Kwargs, Reset, WrapperSpec, arguments};

@@ -10,8 +10,8 @@ use gym_core::registry::{Build, Clip};
 use gym_core::render::Metadata;
 use gym_core::spaces::{BoxSpace, DictSpace, array_of};
 use gym_core::{
-    Arguments, BoxEnv, DType, Env, Error, Generator, Inspect, Keys, Outcome, Policy, Registration,
-    Reset, Result, Snapshot, Space, Value,
+    Arguments, BoxEnv, DType, Env, Error, Generator, Inspect, Keys, Names, Outcome, Policy,
+    Registration, Reset, Result, Snapshot, Space, Value,
 };
 use serde::{Deserialize, Serialize};
 use serde_json::Value as Json;
@@ -359,6 +359,7 @@ pub const fn register<L: Level + Arguments + Clone>(
         .vector_entry_point(vector::entry_point::<L>)
         .light_step()
         .actions(Action::VARIANTS)
+        .names(|_| Names::new(&["direction: 0 right, 1 down, 2 left, 3 up"], &[]))
         .keys(keys);
     match policy {
         Some(policy) => registration.policy(policy).clip(CLIP),

@@ -25,7 +25,7 @@ use gym_core::registry::Clip;
 use gym_core::render::Metadata;
 use gym_core::spaces::TupleSpace;
 use gym_core::{
-    Dynamics, Generator, Keys, Policy, Registration, Reset, Result, Space, Stateful, Task,
+    Dynamics, Generator, Keys, Names, Policy, Registration, Reset, Result, Space, Stateful, Task,
     Transition,
 };
 use gym_native::{Many, Native, Unpacked};
@@ -356,6 +356,14 @@ gym_core::register!(
         .kwargs(r#"{"sab": true, "natural": false}"#)
         .vector_entry_point(gym_native::entry_point::<BlackjackDynamics>)
         .light_step()
+        .names(|_| Names::new(
+            &[
+                "the player's sum",
+                "the dealer's open card",
+                "1 if the player has a usable ace, else 0"
+            ],
+            &[]
+        ))
         .actions(Action::VARIANTS)
         .keys(|_| Keys::new(json!({"S": 0, "Down": 0, "H": 1, "Up": 1})))
         .policy(Policy::rules(

@@ -23,7 +23,7 @@ use gym_core::registry::Clip;
 use gym_core::render::{Metadata, RenderMode};
 use gym_core::rng::{Stream, WordStream};
 use gym_core::{
-    Dynamics, Generator, Keys, Policy, Registration, Reset, Result, Space, Stateful, Task,
+    Dynamics, Generator, Keys, Names, Policy, Registration, Reset, Result, Space, Stateful, Task,
     Transition, Value,
 };
 use gym_native::{Many, Native};
@@ -345,6 +345,7 @@ const fn cliff(id: &'static str) -> Registration {
         .exceptions(&[WHOLE_AT_RESET])
         .vector_entry_point(gym_native::entry_point::<CliffWalkingDynamics>)
         .light_step()
+        .names(|_| Names::new(&["cell: 12 * row + column"], &[]))
         .actions(Action::VARIANTS)
         .keys(|_| Keys::new(json!({"Up": 0, "Right": 1, "Down": 2, "Left": 3})))
         .policy(Policy::rules(planning::DESCRIPTION, |env| {

@@ -28,7 +28,7 @@ use gym_core::registry::Clip;
 use gym_core::render::Metadata;
 use gym_core::rng::{Stream, WordStream};
 use gym_core::{
-    Dynamics, Generator, Keys, Policy, Registration, Reset, Result, Space, Stateful, Task,
+    Dynamics, Generator, Keys, Names, Policy, Registration, Reset, Result, Space, Stateful, Task,
     Transition, Value,
 };
 use gym_native::{Many, Native};
@@ -365,6 +365,7 @@ const fn lake(id: &'static str) -> Registration {
         .exceptions(&[WHOLE_AT_RESET])
         .vector_entry_point(gym_native::entry_point::<FrozenLakeDynamics>)
         .light_step()
+        .names(|_| Names::new(&["cell: columns * row + column"], &[]))
         .actions(Action::VARIANTS)
         .keys(|_| Keys::new(json!({"Left": 0, "Down": 1, "Right": 2, "Up": 3})))
         .policy(Policy::rules(planning::DESCRIPTION, |env| {

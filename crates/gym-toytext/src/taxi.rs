@@ -27,8 +27,8 @@ use gym_core::registry::Clip;
 use gym_core::render::Metadata;
 use gym_core::rng::{Stream, WordStream};
 use gym_core::{
-    Array, Dynamics, Error, Generator, Keys, Policy, Registration, Reset, Result, Space, Stateful,
-    Task, Transition, Value,
+    Array, Dynamics, Error, Generator, Keys, Names, Policy, Registration, Reset, Result, Space,
+    Stateful, Task, Transition, Value,
 };
 use gym_native::{Many, Native};
 use serde::{Deserialize, Serialize};
@@ -373,6 +373,7 @@ const fn taxi(id: &'static str) -> Registration {
         .reward_threshold(8.0)
         .vector_entry_point(gym_native::entry_point::<TaxiDynamics>)
         .light_step()
+        .names(|_| Names::new(&["((row * 5 + column) * 5 + passenger) * 4 + destination"], &[]))
         .actions(Action::VARIANTS)
         .keys(|_| {
             Keys::new(

@@ -25,6 +25,7 @@ macro_rules! ids {
             gym_core::Registration::new::<crate::env::AtariEnv>($id)
                 .description("Play a game of the Atari 2600, from its picture or its RAM.")
                 .keys(crate::env::keys::keys)
+                .names(crate::env::names)
                 .kwargs(concat!(
                     r#"{"game": ""#, $name, r#"", "max_num_frames_per_episode": 108000, "#, $kwargs, "}"
                 ))

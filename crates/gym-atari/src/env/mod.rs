@@ -11,8 +11,8 @@ use gym_core::canvas::{Canvas, Color};
 use gym_core::render::Metadata;
 use gym_core::spaces::BoxSpace;
 use gym_core::{
-    Array, Configure, DType, Env, Error, Generator, Inspect, Outcome, Reset, Result, Seed,
-    Snapshot, Space, Value,
+    Array, BoxEnv, Configure, DType, Env, EnvExt, Error, Generator, Inspect, Names, Outcome, Reset,
+    Result, Seed, Snapshot, Space, Value,
 };
 use serde::{Deserialize, Serialize};
 use serde_json::{Value as Json, json};
@@ -405,6 +405,23 @@ impl Configure for AtariEnv {
     fn configure(config: Config, _version: u32) -> Result<Self> {
         Self::new(config)
     }
+}
+
+/// The names of the bytes of an observed RAM, and of the numbers of a continuous action.
+pub(crate) fn names(env: &BoxEnv) -> Names {
+    let Some(config) = env.layer::<AtariEnv>().map(AtariEnv::config) else {
+        return Names::default();
+    };
+    let action: &[_] = if config.continuous {
+        &["radius of the stick", "angle of the stick (rad)", "fire"]
+    } else {
+        &[]
+    };
+    let mut names = Names::new(&[], action);
+    if config.obs_type == ObsType::Ram {
+        names.observation = (0x80..=0xff).map(|at| format!("byte at {at:#x}")).collect();
+    }
+    names
 }
 
 /// Draws a picture as rectangles of one colour: runs of equal pixels in runs of equal rows.

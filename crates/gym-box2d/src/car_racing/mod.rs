@@ -31,8 +31,8 @@ use gym_core::canvas::Canvas;
 use gym_core::registry::Clip;
 use gym_core::render::Metadata;
 use gym_core::{
-    Array, Configure, Continuous, Element, Env, Error, Generator, Inspect, Keys, Outcome, Policy,
-    Registration, Reset, Result, Snapshot, Space, Value,
+    Array, Configure, Continuous, Element, Env, Error, Generator, Inspect, Keys, Names, Outcome,
+    Policy, Registration, Reset, Result, Snapshot, Space, Value,
 };
 use serde::{Deserialize, Serialize};
 use serde_json::{Value as Json, json};
@@ -459,6 +459,10 @@ const fn racing(id: &'static str) -> Registration {
         .max_episode_steps(1000)
         .reward_threshold(900.0)
         .actions(Drive::VARIANTS)
+        .names(|env| match env.action_space() {
+            Space::Discrete(_) => Names::default(),
+            _ => Names::new(&[], &["steering, to the right", "gas", "brake"]),
+        })
         .keys(|env| match env.action_space() {
             Space::Discrete(_) => {
                 Keys::new(json!({"Right": 1, "Left": 2, "Up": 3, "Down": 4})).idle(json!(0))

@@ -14,6 +14,7 @@ use super::native::entry_point;
 use super::stack::{Renders, stack};
 use crate::env::{BoxEnv, Build, Configure};
 use crate::play::keys::Keys;
+use crate::play::names::Names;
 use crate::play::policy::Policy;
 use crate::spec::arguments::{self, Argument};
 use crate::spec::{EnvId, EnvSpec, Kwargs, ResetOptions, VectorSpec};
@@ -76,6 +77,8 @@ pub struct Page {
     pub clip: Option<Clip>,
     /// Names and meanings of discrete actions.
     pub actions: &'static [(&'static str, &'static str)],
+    /// The names of the numbers in its observations and actions.
+    pub names: Option<fn(&BoxEnv) -> Names>,
     /// The keys with which a person plays it.
     pub keys: Option<fn(&BoxEnv) -> Keys>,
     /// A policy that plays it well.
@@ -109,7 +112,7 @@ pub struct Registration {
     pub vector_entry_point: Option<VectorEntryPoint>,
     /// Whether a step takes about as long as a call between threads.
     pub light_step: bool,
-    /// Its clip, actions, keys and good policy.
+    /// Its clip, actions, names, keys and good policy.
     pub page: Page,
     version: Option<u32>,
     kwargs: &'static str,
@@ -160,6 +163,7 @@ impl Registration {
             page: Page {
                 clip: None,
                 actions: &[],
+                names: None,
                 keys: None,
                 policy: None,
             },
@@ -282,6 +286,14 @@ impl Registration {
             self.vector_entry_point = Some(entry_point);
             self.lockstep = Some(lockstep::slot_group::<E>);
         }
+        self
+    }
+
+    /// The names of the numbers in observations and actions, which may depend on the arguments.
+    /// Pages, the gallery and Python show them.
+    #[must_use]
+    pub const fn names(mut self, names: fn(&BoxEnv) -> Names) -> Self {
+        self.page.names = Some(names);
         self
     }
 

@@ -4,7 +4,8 @@
 use gym_core::registry::Clip;
 use gym_core::render::{Metadata, RenderMode};
 use gym_core::{
-    Env, Error, Keys, Outcome, Registration, Reset, Result, Snapshot, Space, Value, keys, policy,
+    Env, Error, Keys, Names, Outcome, Registration, Reset, Result, Snapshot, Space, Value, keys,
+    policy,
 };
 use serde_json::{Value as Json, json};
 
@@ -217,6 +218,15 @@ twists! {
     "registration-sound.no-name" NamesNothing,
         actions(&[("Left", "left"), ("", "right")]) {}
 
+    "registration-sound.number-too-many" NamesThreeNumbers,
+        names(|_| Names::new(&["position", "velocity", "acceleration"], &[])) {}
+
+    "registration-sound.numbers-alike" NamesTwoNumbersAlike,
+        names(|_| Names::new(&["position", "position"], &[])) {}
+
+    "registration-sound.no-such-number" NamesNumbersOfAnAction,
+        names(|_| Names::new(&[], &["force", "torque"])) {}
+
     "registration-sound.no-frames" HasNoFrames, clip(clip(0)) {}
 
     "registration-sound.late-policy" GoesUpLater,
@@ -232,6 +242,7 @@ twists! {
     // the policy fits some arguments, and only one action has a name and a key
     "none.partly-registered" IsPartlyRegistered (Number), reset_options(&[("start", "0.25")]),
         actions(&[("Left", "left")]), keys(|_| Keys::new(keys::json!({"Left": 0})).repeat()),
+        names(|_| Names::new(&["position", "velocity"], &["direction"])),
         clip(clip(9)), policy(policy::Policy::rules("never fits", |_| None)) {
         fn step(env: &mut Of<Self>, action: &Value, observation: &mut Value) -> Result<Outcome> {
             scaled(env, action, observation)

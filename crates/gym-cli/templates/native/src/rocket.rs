@@ -13,7 +13,7 @@ use gym_core::canvas::{Canvas, Color};
 use gym_core::keys::json;
 use gym_core::math::Real;
 use gym_core::render::Metadata;
-use gym_core::{Error, Generator, Keys, Registration, Reset, Result, Space, Stateful, Task};
+use gym_core::{Error, Generator, Keys, Names, Registration, Reset, Result, Space, Stateful, Task};
 use gym_native::{Compared, Equations, Next};
 use serde::{Deserialize, Serialize};
 
@@ -175,6 +175,7 @@ gym_core::register!(
     Registration::new::<Rocket>("plugin_name/Rocket-v0")
         .description("Touch down softly, with as little fuel as possible.")
         .max_episode_steps(500)
+        .names(|_| Names::new(&["height (m)", "velocity (m/s)"], &[]))
         // the keys of `cargo xtask play`; without this line, the keys are digits
         .keys(|_| Keys::new(json!({"Up": 1})).idle(json!(0)))
         .vector_entry_point(gym_native::entry_point::<RocketTask>)

@@ -14,7 +14,7 @@
 use gym_core::canvas::{Align, Canvas, Color};
 use gym_core::keys::json;
 use gym_core::render::Metadata;
-use gym_core::{Dynamics, Error, Generator, Keys, Registration, Reset, Result, Space, Stateful, Task, Transition, Value};
+use gym_core::{Dynamics, Error, Generator, Keys, Names, Registration, Reset, Result, Space, Stateful, Task, Transition, Value};
 use serde::{Deserialize, Serialize};
 
 /// The environment.
@@ -155,6 +155,7 @@ gym_core::register!(
     Registration::new::<Corridor>("plugin_name/Corridor-v0")
         .description("Find the way out of a dark corridor, on a slippery floor.")
         .max_episode_steps(100)
+        .names(|_| Names::new(&["cell, from the left"], &[]))
         // the keys of `cargo xtask play`; without this line, the keys are digits
         .keys(|_| Keys::new(json!({"Left": 0, "Right": 1})))
 );

@@ -22,6 +22,7 @@
 use gym_core::{Array, Error, Registration, Result};
 use serde::{Deserialize, Serialize};
 
+use crate::bodies::{FORCES, name_bodies};
 use crate::cost::ControlCost;
 use crate::motion::visit_motion;
 use crate::noise::{normal_noise, uniform_noise};
@@ -30,7 +31,7 @@ use crate::{Ant, clip};
 use gym_sim::numpy::sum_of_squares;
 use gym_sim::view::CameraConfig;
 use gym_sim::{
-    Common, FromArguments, Measured, Measures, Observation, SimTask, Simulation, Start,
+    Common, FromArguments, Measured, Measures, Naming, Observation, SimTask, Simulation, Start,
     TaskArguments, Visit, register,
 };
 use mujoco_engine::lanes::Derived;
@@ -233,6 +234,14 @@ impl SimTask for Task {
         let clipped = forces.map(|force| self.config.contact_force_range.clip(*force));
         let state = data.qpos.iter().skip(skip).chain(&data.qvel);
         out.extend(state.copied().chain(clipped));
+    }
+
+    fn names(&self, names: &mut Naming<'_>) {
+        let skip = 2 * usize::from(self.config.exclude_current_positions_from_observation);
+        names.positions(skip..).velocities(..);
+        if let Some(first) = self.observed_forces {
+            name_bodies(names, first, FORCES);
+        }
     }
 
     fn info(&self, _: &Simulation, data: &Data, measured: Option<&Measured>, visit: Visit<'_>) {

@@ -18,6 +18,7 @@
 //!
 //! Source: Gymnasium 1.4.0, `envs/mujoco/humanoid_v5.py` and `_v4.py`; 0.29.1 for versions 2 and 3.
 
+use crate::bodies::{FORCES, INERTIA, VELOCITY, name_bodies};
 use crate::motion::visit_motion;
 use crate::noise::{uniform_noise, uniform_velocities};
 use crate::range::Range;
@@ -26,7 +27,7 @@ use gym_core::{Array, Registration, Result};
 use gym_sim::numpy::{sum, sum_of_squares};
 use gym_sim::view::CameraConfig;
 use gym_sim::{
-    Common, FromArguments, Measured, Measures, Observation, SimTask, Simulation, Start,
+    Common, FromArguments, Measured, Measures, Naming, Observation, SimTask, Simulation, Start,
     TaskArguments, Visit, register,
 };
 use mujoco_engine::lanes::Derived;
@@ -116,6 +117,25 @@ impl Observed {
             .chain(&torques[part(self.include_qfrc_actuator_in_observation, torques, root)])
             .chain(&forces[part(self.include_cfrc_ext_in_observation, forces, 6 * world)])
             .copied()
+    }
+
+    /// Adds the names of [`numbers`](Self::numbers).
+    pub(crate) fn names(self, version: u32, names: &mut Naming<'_>) {
+        let (world, root) = if version >= 5 { (1, 6) } else { (0, 0) };
+        let skip = 2 * usize::from(self.exclude_current_positions_from_observation);
+        names.positions(skip..).velocities(..);
+        if self.include_cinert_in_observation {
+            name_bodies(names, world, INERTIA);
+        }
+        if self.include_cvel_in_observation {
+            name_bodies(names, world, VELOCITY);
+        }
+        if self.include_qfrc_actuator_in_observation {
+            names.forces("actuator", root..);
+        }
+        if self.include_cfrc_ext_in_observation {
+            name_bodies(names, world, FORCES);
+        }
     }
 }
 
@@ -234,6 +254,10 @@ impl SimTask for Task {
 
     fn observe(&self, _: &Model, data: &Data, out: &mut Observation) {
         out.extend(self.config.observed.numbers(self.version, data));
+    }
+
+    fn names(&self, names: &mut Naming<'_>) {
+        self.config.observed.names(self.version, names);
     }
 
     fn info(&self, _: &Simulation, data: &Data, measured: Option<&Measured>, visit: Visit<'_>) {

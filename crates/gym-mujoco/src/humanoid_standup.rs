@@ -25,7 +25,7 @@ use gym_core::{Array, Registration, Result};
 use gym_sim::numpy::sum_of_squares;
 use gym_sim::view::CameraConfig;
 use gym_sim::{
-    Common, FromArguments, Measured, Measures, Observation, SimTask, Simulation, Start,
+    Common, FromArguments, Measured, Measures, Naming, Observation, SimTask, Simulation, Start,
     TaskArguments, Visit, register,
 };
 use mujoco_engine::lanes::Derived;
@@ -108,6 +108,10 @@ impl SimTask for Task {
 
     fn observe(&self, _: &Model, data: &Data, out: &mut Observation) {
         out.extend(self.config.observed.numbers(self.version, data));
+    }
+
+    fn names(&self, names: &mut Naming<'_>) {
+        self.config.observed.names(self.version, names);
     }
 
     fn info(

@@ -25,7 +25,7 @@ use gym_core::math;
 use gym_core::{Array, Registration, Result};
 use gym_sim::view::CameraConfig;
 use gym_sim::{
-    Common, FromArguments, Measured, Measures, Observation, SimTask, Simulation, Start,
+    Common, FromArguments, Measured, Measures, Naming, Observation, SimTask, Simulation, Start,
     TaskArguments, Visit, register,
 };
 use mujoco_engine::lanes::Derived;
@@ -119,6 +119,18 @@ impl SimTask for Task {
                 .chain(cosines)
                 .chain(clipped),
         );
+    }
+
+    fn names(&self, names: &mut Naming<'_>) {
+        names.positions(..1);
+        for function in ["sine of", "cosine of"] {
+            for i in 1..names.model().nq() {
+                names.of(function, &names.position(i));
+            }
+        }
+        names.velocities(..);
+        let forces = if self.version >= 5 { 1 } else { usize::MAX };
+        names.forces("constraint", ..forces);
     }
 
     fn info(&self, _: &Simulation, _: &Data, measured: Option<&Measured>, visit: Visit<'_>) {

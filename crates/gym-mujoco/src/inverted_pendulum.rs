@@ -24,7 +24,7 @@ use crate::{InvertedPendulum, clip};
 use gym_core::{Array, Registration, Result};
 use gym_sim::view::CameraConfig;
 use gym_sim::{
-    Common, FromArguments, Measured, Measures, Observation, SimTask, Simulation, Start,
+    Common, FromArguments, Measured, Measures, Naming, Observation, SimTask, Simulation, Start,
     TaskArguments, Visit, register,
 };
 use mujoco_engine::lanes::Derived;
@@ -93,6 +93,10 @@ impl SimTask for Task {
 
     fn observe(&self, _: &Model, data: &Data, out: &mut Observation) {
         out.extend(data.qpos.iter().chain(&data.qvel).copied());
+    }
+
+    fn names(&self, names: &mut Naming<'_>) {
+        names.positions(..).velocities(..);
     }
 
     fn info(&self, _: &Simulation, _: &Data, measured: Option<&Measured>, visit: Visit<'_>) {

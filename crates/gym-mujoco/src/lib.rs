@@ -23,6 +23,7 @@
 
 #![warn(clippy::disallowed_methods)]
 
+mod bodies;
 mod cost;
 mod models;
 mod motion;

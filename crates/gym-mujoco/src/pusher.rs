@@ -25,7 +25,7 @@ use gym_core::{Array, Registration, Result};
 use gym_sim::numpy::norm;
 use gym_sim::view::CameraConfig;
 use gym_sim::{
-    Common, FromArguments, Measured, Measures, Observation, SimTask, Simulation, Start,
+    Common, FromArguments, Measured, Measures, Naming, Observation, SimTask, Simulation, Start,
     TaskArguments, Visit, register,
 };
 use mujoco_engine::lanes::Derived;
@@ -159,6 +159,14 @@ impl SimTask for Task {
 
     fn reads(&self, _: &Model) -> Option<Vec<Derived>> {
         Some(vec![Derived::Xpos])
+    }
+
+    fn names(&self, names: &mut Naming<'_>) {
+        names.positions(..ARM).velocities(..ARM);
+        for body in [self.tips, self.object, self.goal] {
+            let body = names.body(body);
+            names.xyz(&format!("{{}} of {body} (m)"));
+        }
     }
 
     fn info(&self, _: &Simulation, _: &Data, measured: Option<&Measured>, visit: Visit<'_>) {

@@ -25,7 +25,7 @@ use gym_core::{Array, Registration, Result};
 use gym_sim::numpy::norm;
 use gym_sim::view::CameraConfig;
 use gym_sim::{
-    Common, FromArguments, Measured, Measures, Observation, SimTask, Simulation, Start,
+    Common, FromArguments, Measured, Measures, Naming, Observation, SimTask, Simulation, Start,
     TaskArguments, Visit, register,
 };
 use mujoco_engine::lanes::Derived;
@@ -137,6 +137,21 @@ impl SimTask for Task {
 
     fn reads(&self, _: &Model) -> Option<Vec<Derived>> {
         Some(vec![Derived::Xpos])
+    }
+
+    fn names(&self, names: &mut Naming<'_>) {
+        for function in ["cosine of", "sine of"] {
+            for i in 0..2 {
+                names.of(function, &names.position(i));
+            }
+        }
+        names.positions(2..).velocities(..2);
+        let axes: &[_] = if self.version >= 5 {
+            &["x", "y"]
+        } else {
+            &["x", "y", "z"]
+        };
+        names.each(axes, "{} from target to fingertip (m)");
     }
 
     fn info(&self, _: &Simulation, _: &Data, measured: Option<&Measured>, visit: Visit<'_>) {

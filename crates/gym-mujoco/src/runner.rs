@@ -7,8 +7,8 @@ use crate::noise::{uniform_noise, uniform_velocities};
 use crate::range::Range;
 use gym_core::{Array, Result};
 use gym_sim::{
-    FromArguments, Measured, Measures, Observation, SimTask, Simulation, Start, TaskArguments,
-    Visit,
+    FromArguments, Measured, Measures, Naming, Observation, SimTask, Simulation, Start,
+    TaskArguments, Visit,
 };
 use mujoco_engine::lanes::Derived;
 use mujoco_engine::{Data, Model};
@@ -114,6 +114,11 @@ impl<C: RunnerArguments> SimTask for Runner<C> {
         let velocities = data.qvel.iter();
         let velocities = velocities.map(|v| v.clamp(-VELOCITY_LIMIT, VELOCITY_LIMIT));
         out.extend(data.qpos.iter().skip(skip).copied().chain(velocities));
+    }
+
+    fn names(&self, names: &mut Naming<'_>) {
+        let skip = usize::from(self.settings.exclude_positions);
+        names.positions(skip..).velocities(..);
     }
 
     fn info(

@@ -25,7 +25,7 @@ use crate::{Swimmer, clip};
 use gym_core::{Array, Registration, Result};
 use gym_sim::view::CameraConfig;
 use gym_sim::{
-    Common, FromArguments, Measured, Measures, Observation, SimTask, Simulation, Start,
+    Common, FromArguments, Measured, Measures, Naming, Observation, SimTask, Simulation, Start,
     TaskArguments, Visit, register,
 };
 use mujoco_engine::lanes::Derived;
@@ -105,6 +105,11 @@ impl SimTask for Task {
     fn observe(&self, _: &Model, data: &Data, out: &mut Observation) {
         let skip = 2 * usize::from(self.config.exclude_current_positions_from_observation);
         out.extend(data.qpos.iter().skip(skip).chain(&data.qvel).copied());
+    }
+
+    fn names(&self, names: &mut Naming<'_>) {
+        let skip = 2 * usize::from(self.config.exclude_current_positions_from_observation);
+        names.positions(skip..).velocities(..);
     }
 
     fn info(&self, _: &Simulation, data: &Data, measured: Option<&Measured>, visit: Visit<'_>) {

@@ -32,7 +32,8 @@ use gym_core::{Array, Error, Registration, Result, Value};
 use gym_sim::numpy::norm_avx2;
 use gym_sim::view::CameraConfig;
 use gym_sim::{
-    Common, Measured, Observation, Rng, Settings, SimEnv, SimTask, Simulation, Start, Stepper,
+    Common, Measured, Naming, Observation, Rng, Settings, SimEnv, SimTask, Simulation, Start,
+    Stepper,
 };
 use mujoco_engine::{Data, Model};
 
@@ -376,6 +377,22 @@ impl SimTask for Task {
         out.extend(d.userdata[..OBSERVED].iter().copied());
     }
 
+    fn names(&self, names: &mut Naming<'_>) {
+        for chore in &self.chores {
+            let [achieved, desired] = chore.goals;
+            let numbers = chore.first..chore.first + chore.goal.len();
+            names.part(achieved).positions(numbers.clone());
+            names.part(desired);
+            for i in numbers {
+                names.add(format!("goal of the {}", names.position(i)));
+            }
+        }
+        names.part("observation").positions(..).velocities(..);
+        for joint in 0..JOINTS {
+            names.action(names.velocity(joint).replace('(', "(2 "));
+        }
+    }
+
     fn lists(&self, d: &Data, _: Option<&Measured>, visit: &mut dyn FnMut(&str, Value)) {
         let names = [
             "tasks_to_complete",
@@ -395,6 +412,7 @@ const UNREACHED: &str = "it matters when a task is completed, which random actio
 
 gym_core::register!(
     Registration::new::<FrankaKitchen>("FrankaKitchen-v1")
+        .names(gym_sim::names)
         .description("Open, turn and move things in a kitchen with an arm.")
         .max_episode_steps(280)
         .needs(assets::NEED, assets::available)

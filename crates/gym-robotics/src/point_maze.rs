@@ -24,7 +24,9 @@ use gym_core::keys::{Keys, json};
 use gym_core::registry::{Build, Clip};
 use gym_core::{Array, Registration, Result};
 use gym_sim::view::CameraConfig;
-use gym_sim::{Common, Measured, Observation, SimEnv, SimTask, Simulation, Start, register};
+use gym_sim::{
+    Common, Measured, Naming, Observation, SimEnv, SimTask, Simulation, Start, register,
+};
 use mujoco_engine::lanes::Derived;
 use mujoco_engine::{Data, Model};
 
@@ -95,6 +97,10 @@ impl SimTask for Ball {
 
     fn observe(&self, _: &Model, d: &Data, out: &mut Observation) {
         out.extend(d.qpos.iter().chain(&d.qvel).copied());
+    }
+
+    fn names(&self, names: &mut Naming<'_>) {
+        names.positions(..).velocities(..);
     }
 
     fn reads(&self, _: &Model) -> Option<Vec<Derived>> {

@@ -6,7 +6,7 @@ use std::sync::Arc;
 use gym_core::registry::{Build, build, find};
 use gym_core::vector::{BoxVector, VectorSpec, lockstep};
 use gym_core::wrappers::TimeLimit;
-use gym_core::{EnvSpec, Registration, Result};
+use gym_core::{BoxEnv, EnvExt, EnvSpec, Names, Registration, Result};
 
 use crate::arguments::{Common, TaskArguments};
 use crate::env::SimEnv;
@@ -108,9 +108,18 @@ impl<T: FromArguments, F: Family> Build for Entry<T, F> {
     }
 }
 
+/// The names of the numbers of an environment that is, or contains, a [`SimEnv`]: for
+/// [`Registration::names`], which [`register`] sets.
+#[must_use]
+pub fn names(env: &BoxEnv) -> Names {
+    env.layer::<SimEnv>().map(SimEnv::names).unwrap_or_default()
+}
+
 /// A registration of environments whose vectors step several worlds together.
 pub const fn register<B: Build<Env = SimEnv>>(id: &'static str) -> Registration {
-    Registration::new::<B>(id).lockstep_by::<SimEnv>(vector::<B>)
+    Registration::new::<B>(id)
+        .names(names)
+        .lockstep_by::<SimEnv>(vector::<B>)
 }
 
 /// Makes a native vector. Its environments share one model, so that their worlds can step together,

@@ -7,7 +7,7 @@ use gym_core::render::Metadata;
 use gym_core::spaces::BoxSpace;
 use gym_core::vector::lockstep::Lockstep;
 use gym_core::{
-    Array, Env, Error, Generator, Goals, Inspect, Outcome, RandomState, Reset, Result, Seed,
+    Array, Env, Error, Generator, Goals, Inspect, Names, Outcome, RandomState, Reset, Result, Seed,
     Snapshot, Space, Value,
 };
 use mujoco_engine::Data;
@@ -16,6 +16,7 @@ use mujoco_engine::math::MAXVAL;
 use serde_json::{Value as Json, json};
 
 use crate::episode::Episode;
+use crate::naming::Naming;
 use crate::observation::{Layout, Observation};
 use crate::pixels::Pixels;
 use crate::rng::Rng;
@@ -110,6 +111,16 @@ impl SimEnv {
     #[must_use]
     pub fn name(&self) -> &'static str {
         self.settings.name
+    }
+
+    /// The names of the numbers in observations and actions.
+    #[must_use]
+    pub fn names(&self) -> Names {
+        let mut names = Naming::new(&self.simulation.model);
+        if self.pixels.is_none() {
+            self.task.names(&mut names);
+        }
+        names.finish(self.settings.flat, self.action_shape.iter().product())
     }
 
     /// The model, and how it is stepped.

@@ -9,7 +9,7 @@ use mujoco_engine::{CompiledModel, Data, Model};
 use serde::ser::SerializeMap;
 use serde::{Deserialize, Serialize, Serializer};
 
-use crate::{Observation, Rng, Simulation, Start};
+use crate::{Naming, Observation, Rng, Simulation, Start};
 
 /// Takes an entry of `info`.
 pub type Visit<'a> = &'a mut dyn FnMut(&str, f64);
@@ -44,6 +44,12 @@ pub trait SimTask: fmt::Debug + Send + Sync + 'static {
 
     /// Adds the parts of the observation, always the same in the same order.
     fn observe(&self, m: &Model, d: &Data, out: &mut Observation);
+
+    /// Adds the names of the numbers that [`observe`](Self::observe) adds, part by part in the same
+    /// order. By default, they have none.
+    fn names(&self, names: &mut Naming<'_>) {
+        let _ = names;
+    }
 
     /// Takes a step with an action of any precision. By default it [steps](Simulation::step) the
     /// simulation, and measures [`reward`](Self::reward) and [`is_over`](Self::is_over).

@@ -8,6 +8,7 @@ mod cpu;
 mod drawings;
 mod inspect;
 mod main_job;
+mod names;
 mod native;
 mod native_refused;
 mod native_steps;

@@ -26,6 +26,7 @@ const CRATES: [(&str, &[&str]); 3] = [
             "pixels",
             "simulation",
             "start",
+            "naming",
             "task",
             "together",
             "load",

@@ -27,7 +27,7 @@ use super::{config, minus, norm};
 use crate::domain::clip;
 use crate::rewards::{Sigmoid, Tolerance};
 use crate::{Domain, register};
-use gym_sim::{Observation, SimTask, Simulation, Start};
+use gym_sim::{Naming, Observation, SimTask, Simulation, Start};
 
 config! { 10.0;
     /// Whether the reward is sparse: 1 in the target, otherwise 0.
@@ -81,6 +81,17 @@ impl SimTask for Acrobot {
         let part = |axis: usize| self.arms.map(|arm| d.xmat[arm][axis]);
         out.vector("orientations", part(XZ).into_iter().chain(part(ZZ)));
         out.vector("velocity", d.qvel.iter().copied());
+    }
+
+    fn names(&self, names: &mut Naming<'_>) {
+        names.part("orientations");
+        for function in ["sine", "cosine"] {
+            for arm in self.arms {
+                let arm = names.body(arm);
+                names.add(format!("{function} of angle of {arm} from the vertical"));
+            }
+        }
+        names.part("velocity").velocities(..);
     }
 
     fn reward(&self, _: &Model, d: &Data) -> f64 {

@@ -7,7 +7,7 @@ use mujoco_engine::lanes::Derived;
 use mujoco_engine::{Data, Model};
 
 use super::{minus, norm};
-use gym_sim::{Observation, Simulation, Start};
+use gym_sim::{Naming, Observation, Simulation, Start};
 
 /// Returns the text of the model, with the bodies `props`, and the pairs of bodies without contacts
 /// `apart`.
@@ -96,9 +96,33 @@ impl Arm {
         );
     }
 
+    /// Names what [`observe`](Self::observe) observes.
+    pub(super) fn names(&self, names: &mut Naming<'_>) {
+        let m = names.model();
+        names.part("arm_pos");
+        for joint in self.joints {
+            for function in ["sine of", "cosine of"] {
+                names.of(function, &names.position(m.jnt_qposadr[joint]));
+            }
+        }
+        names.part("arm_vel");
+        for joint in self.joints {
+            names.add(names.velocity(m.jnt_dofadr[joint]));
+        }
+        names.part("touch");
+        for sensor in self.touch {
+            names.of("logarithm of 1 N plus", &names.sensor(sensor));
+        }
+    }
+
     /// Observes `hand_pos`.
     pub(super) fn observe_hand(&self, d: &Data, out: &mut Observation) {
         out.vector("hand_pos", pose(d, self.hand));
+    }
+
+    /// Names what [`observe_hand`](Self::observe_hand) observes.
+    pub(super) fn name_hand(&self, names: &mut Naming<'_>) {
+        name_pose(names.part("hand_pos"), self.hand);
     }
 }
 
@@ -107,6 +131,13 @@ impl Arm {
 pub(super) fn pose(d: &Data, body: usize) -> [f64; 4] {
     let (pos, quat) = (d.xpos[body], d.xquat[body]);
     [pos[0], pos[2], quat[0], quat[2]]
+}
+
+/// Adds the names of a [`pose`].
+pub(super) fn name_pose(names: &mut Naming<'_>, body: usize) {
+    let body = names.body(body);
+    names.each(&["x", "z"], &format!("{{}} of {body} (m)"));
+    names.each(&["w", "y"], &format!("quaternion {{}} of {body}"));
 }
 
 /// Returns the distance between two sites.

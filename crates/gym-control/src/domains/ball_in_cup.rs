@@ -23,7 +23,7 @@ use mujoco_engine::{Data, Model};
 use super::config;
 use crate::domain::clip;
 use crate::{Domain, register};
-use gym_sim::{Observation, SimTask, Simulation, Start};
+use gym_sim::{Naming, Observation, SimTask, Simulation, Start};
 
 config! { 20.0; }
 
@@ -73,6 +73,11 @@ impl SimTask for BallInCup {
 
     fn reads(&self, _: &Model) -> Option<Vec<Derived>> {
         Some(vec![Derived::Xpos, Derived::SiteXpos])
+    }
+
+    fn names(&self, names: &mut Naming<'_>) {
+        names.part("position").positions(..);
+        names.part("velocity").velocities(..);
     }
 
     fn reward(&self, _: &Model, d: &Data) -> f64 {

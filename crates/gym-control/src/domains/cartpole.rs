@@ -27,7 +27,7 @@ use super::config;
 use crate::domain::clip;
 use crate::rewards::{Sigmoid, Tolerance, mean};
 use crate::{Domain, register};
-use gym_sim::{Observation, SimTask, Simulation, Start};
+use gym_sim::{Naming, Observation, SimTask, Simulation, Start};
 
 const CENTRED: Tolerance = Tolerance::within(0.0, 0.0).margin(2.0, Sigmoid::Gaussian);
 const GENTLE: Tolerance = Tolerance::within(0.0, 0.0).margin(1.0, Sigmoid::Quadratic(0.0));
@@ -118,6 +118,16 @@ impl SimTask for Cartpole {
         let poles = d.xmat[2..].iter().flat_map(|mat| [mat[ZZ], mat[XZ]]);
         out.vector("position", std::iter::once(d.qpos[0]).chain(poles));
         out.vector("velocity", d.qvel.iter().copied());
+    }
+
+    fn names(&self, names: &mut Naming<'_>) {
+        names.part("position").positions(..1);
+        for pole in 2..names.model().nbody() {
+            let pole = names.body(pole);
+            let text = format!("{{}} of angle of {pole} from the vertical");
+            names.each(&["cosine", "sine"], &text);
+        }
+        names.part("velocity").velocities(..);
     }
 
     fn reward(&self, _: &Model, d: &Data) -> f64 {

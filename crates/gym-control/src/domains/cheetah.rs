@@ -24,7 +24,7 @@ use super::{check, config};
 use crate::domain::clip;
 use crate::rewards::{Sigmoid, Tolerance};
 use crate::{Domain, register};
-use gym_sim::{Observation, SimTask, Simulation, Start};
+use gym_sim::{Naming, Observation, SimTask, Simulation, Start};
 
 config! { 10.0;
     /// The speed that is rewarded by 1.
@@ -74,6 +74,11 @@ impl SimTask for Cheetah {
     fn observe(&self, _: &Model, d: &Data, out: &mut Observation) {
         out.vector("position", d.qpos[1..].iter().copied());
         out.vector("velocity", d.qvel.iter().copied());
+    }
+
+    fn names(&self, names: &mut Naming<'_>) {
+        names.part("position").positions(1..);
+        names.part("velocity").velocities(..);
     }
 
     fn reward(&self, _: &Model, d: &Data) -> f64 {

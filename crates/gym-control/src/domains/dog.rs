@@ -32,7 +32,7 @@ use super::{check, config, minus};
 use crate::domain::{SHAPELY, SHAPELY_STILL};
 use crate::rewards::{Sigmoid, Tolerance};
 use crate::{Domain, register};
-use gym_sim::{Observation, SimTask, Simulation, Start};
+use gym_sim::{Naming, Observation, SimTask, Simulation, Start};
 
 /// The cosine of 30 degrees: skull, torso and pelvis may be as far from upright.
 const UPRIGHT: f64 = 0.8660254037844387;
@@ -225,6 +225,38 @@ impl SimTask for Dog {
             out.vector("ball_state", state.into_iter().flatten());
             let target = times(minus(d.geom_xpos[ball.target], pos), mat);
             out.vector("target_position", target);
+        }
+    }
+
+    fn names(&self, names: &mut Naming<'_>) {
+        names.part("joint_angles");
+        for [position, _] in &self.hinges {
+            names.add(names.position(*position));
+        }
+        names.part("joint_velocites");
+        for [_, dof] in &self.hinges {
+            names.add(names.velocity(*dof));
+        }
+        let height = &["torso", "pelvis"];
+        names
+            .part("torso_pelvis_height")
+            .each(height, "height of {} (m)");
+        names.part("z_projection");
+        for body in ["skull", "torso", "pelvis"] {
+            names.xyz(&format!("{{}} of the vertical in the frame of {body}"));
+        }
+        let velocity = "velocity of the centre of mass along the torso's {} (m/s)";
+        names.part("torso_com_velocity").xyz(velocity);
+        names.part("inertial_sensors").sensors(..9);
+        names.part("foot_forces").sensors(16..28);
+        names.part("touch_sensors").sensors(12..16);
+        names.part("actuator_state").activations();
+        if let Goal::Fetch(_) = &self.goal {
+            names.part("ball_state");
+            names.xyz("{} from head to ball in the head's frame (m)");
+            names.xyz("velocity of ball against head along the head's {} (m/s)");
+            names.part("target_position");
+            names.xyz("{} from head to target in the head's frame (m)");
         }
     }
 

@@ -6,7 +6,7 @@ use mujoco_engine::Data;
 use super::axis::ZX;
 use super::minus;
 use crate::rewards::{Sigmoid, Tolerance, mean, small_control};
-use gym_sim::{Observation, Simulation};
+use gym_sim::{Naming, Observation, Simulation};
 
 const UPRIGHT: Tolerance = Tolerance::above(0.9).margin(1.9, Sigmoid::Linear(0.0));
 const STILL: Tolerance = Tolerance::within(0.0, 0.0).margin(2.0, Sigmoid::Gaussian);
@@ -78,6 +78,20 @@ impl Figure {
         out.vector("extremities", limbs.into_iter().flatten());
         out.vector("torso_vertical", mat[ZX..].iter().copied());
         out.vector("com_velocity", d.sensordata[..3].iter().copied());
+    }
+
+    pub(super) fn names(&self, names: &mut Naming<'_>) {
+        let torso = names.body(self.torso);
+        names.part("joint_angles").positions(7..);
+        names.part("head_height").add("height of head (m)");
+        names.part("extremities");
+        for limb in self.limbs {
+            let limb = names.body(limb);
+            names.xyz(&format!("{{}} of {limb} in the frame of {torso} (m)"));
+        }
+        names.part("torso_vertical");
+        names.xyz(&format!("{{}} of the vertical in the frame of {torso}"));
+        names.part("com_velocity").sensors(..3);
     }
 
     pub(super) fn reward(&self, d: &Data) -> f64 {

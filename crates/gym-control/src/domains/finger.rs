@@ -24,7 +24,7 @@ use mujoco_engine::{Data, Model};
 use super::{check, config, minus, norm};
 use crate::domain::{TARGET, clip};
 use crate::{Domain, register};
-use gym_sim::{Observation, SimTask, Simulation, Start};
+use gym_sim::{Naming, Observation, SimTask, Simulation, Start};
 
 const FAST: f64 = -15.0; // rad/s
 
@@ -122,6 +122,23 @@ impl SimTask for Finger {
 
     fn reads(&self, _: &Model) -> Option<Vec<Derived>> {
         Some(vec![Derived::Xpos, Derived::SiteXpos, Derived::Sensors(2)])
+    }
+
+    fn names(&self, names: &mut Naming<'_>) {
+        let axes = &["x", "z"];
+        names.part("position").positions(..2);
+        names.each(axes, "{} from hinge to tip (m)");
+        names.part("velocity").velocities(..);
+        names.part("touch");
+        for sensor in [0, 1] {
+            names.of("logarithm of 1 N plus", &names.sensor(sensor));
+        }
+        if self.turns() {
+            names.part("target_position");
+            names.each(axes, "{} from hinge to target (m)");
+            names.part("dist_to_target");
+            names.add("distance from tip to target (m)");
+        }
     }
 
     fn reward(&self, _: &Model, d: &Data) -> f64 {

@@ -26,7 +26,7 @@ use super::{config, minus, norm, times};
 use crate::domain::clip;
 use crate::rewards::{Sigmoid, Tolerance};
 use crate::{Domain, register};
-use gym_sim::{Observation, Rng, SimTask, Simulation, Start};
+use gym_sim::{Naming, Observation, Rng, SimTask, Simulation, Start};
 
 const UPRIGHT: Tolerance = Tolerance::within(1.0, 1.0).margin(1.0, Sigmoid::Gaussian);
 /// The indices of the joints after the root in `qpos`. In `qvel`, each index is one lower.
@@ -111,6 +111,17 @@ impl SimTask for Fish {
             out.vector("target", self.to_target(d));
         }
         out.vector("velocity", d.qvel.iter().copied());
+    }
+
+    fn names(&self, names: &mut Naming<'_>) {
+        names.part("joint_angles").positions(JOINTS);
+        names.part("upright");
+        names.add("cosine of the inclination of torso");
+        if self.swim {
+            names.part("target");
+            names.xyz("{} from mouth to target in the mouth's frame (m)");
+        }
+        names.part("velocity").velocities(..);
     }
 
     fn reward(&self, _: &Model, d: &Data) -> f64 {

@@ -24,7 +24,7 @@ use super::{check, config};
 use crate::domain::{STANDING, clip};
 use crate::rewards::{Sigmoid, Tolerance, small_control};
 use crate::{Domain, register};
-use gym_sim::{Observation, SimTask, Simulation, Start};
+use gym_sim::{Naming, Observation, SimTask, Simulation, Start};
 
 config! { 20.0;
     /// The speed that is rewarded by 1; 0 for standing.
@@ -84,6 +84,15 @@ impl SimTask for Hopper {
         out.vector("position", d.qpos[1..].iter().copied());
         out.vector("velocity", d.qvel.iter().copied());
         out.vector("touch", [3, 4].map(|i| math::numpy_ln_1p(d.sensordata[i])));
+    }
+
+    fn names(&self, names: &mut Naming<'_>) {
+        names.part("position").positions(1..);
+        names.part("velocity").velocities(..);
+        names.part("touch");
+        for sensor in [3, 4] {
+            names.of("logarithm of 1 N plus", &names.sensor(sensor));
+        }
     }
 
     fn reward(&self, _: &Model, d: &Data) -> f64 {

@@ -26,7 +26,7 @@ use super::figure::{Figure, Kernels};
 use super::{check, config, norm, times};
 use crate::domain::{STANDING, clip};
 use crate::{Domain, register};
-use gym_sim::{Observation, SimTask, Simulation, Start};
+use gym_sim::{Naming, Observation, SimTask, Simulation, Start};
 
 config! { 25.0;
     /// The speed that is rewarded by 1; 0 for standing still.
@@ -85,6 +85,15 @@ impl SimTask for Humanoid {
             self.figure.observe(d, out);
         }
         out.vector("velocity", d.qvel.iter().copied());
+    }
+
+    fn names(&self, names: &mut Naming<'_>) {
+        if self.pure_state {
+            names.part("position").positions(..);
+        } else {
+            self.figure.names(names);
+        }
+        names.part("velocity").velocities(..);
     }
 
     fn reward(&self, _: &Model, d: &Data) -> f64 {

@@ -28,7 +28,7 @@ use super::figure::{Figure, Kernels};
 use super::{check, config};
 use crate::domain::SHAPELY_STANDING;
 use crate::{Domain, register};
-use gym_sim::{Observation, SimTask, Simulation, Start};
+use gym_sim::{Naming, Observation, SimTask, Simulation, Start};
 
 config! { 20.0;
     /// The speed that is rewarded by 1; 0 for standing still.
@@ -80,6 +80,11 @@ impl SimTask for HumanoidCmu {
     fn observe(&self, _: &Model, d: &Data, out: &mut Observation) {
         self.figure.observe(d, out);
         out.vector("velocity", d.qvel.iter().copied());
+    }
+
+    fn names(&self, names: &mut Naming<'_>) {
+        self.figure.names(names);
+        names.part("velocity").velocities(..);
     }
 
     fn reward(&self, _: &Model, d: &Data) -> f64 {

@@ -24,7 +24,7 @@ use mujoco_engine::{CompiledModel, Data, Model};
 use super::{check, config};
 use crate::domain::{UNLIMITED, clip};
 use crate::{Domain, register};
-use gym_sim::{Observation, SimTask, Simulation, Start};
+use gym_sim::{Naming, Observation, SimTask, Simulation, Start};
 
 const STIFFNESS: [f64; 2] = [15.0, 25.0]; // N/m
 const AT_REST: f64 = 1e-6;
@@ -121,6 +121,18 @@ impl SimTask for Lqr {
     fn observe(&self, _: &Model, d: &Data, out: &mut Observation) {
         out.vector("position", d.qpos.iter().copied());
         out.vector("velocity", d.qvel.iter().copied());
+    }
+
+    fn names(&self, names: &mut Naming<'_>) {
+        for (part, unit) in [("position", "m"), ("velocity", "m/s")] {
+            names.part(part);
+            for mass in 0..self.bodies {
+                names.add(format!("{part} of mass {mass} ({unit})"));
+            }
+        }
+        for mass in 0..names.model().nu() {
+            names.action(format!("force on mass {mass} (N)"));
+        }
     }
 
     fn reward(&self, _: &Model, d: &Data) -> f64 {

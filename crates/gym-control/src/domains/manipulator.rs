@@ -23,13 +23,13 @@ use gym_core::{Result, math};
 use mujoco_engine::lanes::Derived;
 use mujoco_engine::{Data, Model};
 
-use super::arm::{self, Arm, distance, pose, turned};
+use super::arm::{self, Arm, distance, name_pose, pose, turned};
 use super::axis::{XX, ZX};
 use super::config;
 use crate::domain::clip;
 use crate::rewards::{Sigmoid, Tolerance};
 use crate::{Domain, register};
-use gym_sim::{Observation, SimTask, Simulation, Start};
+use gym_sim::{Naming, Observation, SimTask, Simulation, Start};
 
 const CLOSE: Tolerance = Tolerance::within(0.0, 0.01).margin(0.02, Sigmoid::Gaussian);
 /// The probabilities that the object starts in the hand, in the target, or elsewhere.
@@ -158,6 +158,17 @@ impl SimTask for Manipulator {
 
     fn reads(&self, _: &Model) -> Option<Vec<Derived>> {
         Some(arm::READS.to_vec())
+    }
+
+    fn names(&self, names: &mut Naming<'_>) {
+        self.arm.names(names);
+        if self.fully_observable {
+            let first = names.model().jnt_dofadr[self.joint];
+            self.arm.name_hand(names);
+            name_pose(names.part("object_pos"), self.object);
+            names.part("object_vel").velocities(first..first + 3);
+            name_pose(names.part("target_pos"), self.target);
+        }
     }
 
     fn reward(&self, _: &Model, d: &Data) -> f64 {

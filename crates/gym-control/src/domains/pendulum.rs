@@ -27,7 +27,7 @@ use super::config;
 use crate::domain::clip;
 use crate::rewards::Tolerance;
 use crate::{Domain, register};
-use gym_sim::{Observation, SimTask, Simulation, Start};
+use gym_sim::{Naming, Observation, SimTask, Simulation, Start};
 
 /// The pole is upright if the cosine of its angle is at least the cosine of 8 degrees.
 const UPRIGHT: Tolerance = Tolerance::within(0.9902680687415704, 1.0);
@@ -68,6 +68,12 @@ impl SimTask for Pendulum {
     fn observe(&self, _: &Model, d: &Data, out: &mut Observation) {
         out.vector("orientation", [ZZ, XZ].map(|axis| d.xmat[self.pole][axis]));
         out.vector("velocity", [d.qvel[0]]);
+    }
+
+    fn names(&self, names: &mut Naming<'_>) {
+        names.part("orientation");
+        names.each(&["cosine", "sine"], "{} of angle of pole from the vertical");
+        names.part("velocity").velocities(..1);
     }
 
     fn reward(&self, _: &Model, d: &Data) -> f64 {

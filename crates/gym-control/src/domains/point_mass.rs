@@ -25,7 +25,7 @@ use super::{check, config, minus, norm};
 use crate::domain::clip;
 use crate::rewards::{Sigmoid, Tolerance, small_control};
 use crate::{Domain, register};
-use gym_sim::{Observation, Rng, SimTask, Simulation, Start};
+use gym_sim::{Naming, Observation, Rng, SimTask, Simulation, Start};
 
 /// Two directions are too similar if the cosine between them exceeds this.
 const PARALLEL: f64 = 0.9;
@@ -112,6 +112,11 @@ impl SimTask for PointMass {
     fn observe(&self, _: &Model, d: &Data, out: &mut Observation) {
         out.vector("position", d.qpos.iter().copied());
         out.vector("velocity", d.qvel.iter().copied());
+    }
+
+    fn names(&self, names: &mut Naming<'_>) {
+        names.part("position").positions(..);
+        names.part("velocity").velocities(..);
     }
 
     fn reward(&self, _: &Model, d: &Data) -> f64 {

@@ -36,7 +36,7 @@ use super::{check, config, minus};
 use crate::domain::SHAPELY_STILL;
 use crate::rewards::{Sigmoid, Tolerance};
 use crate::{Domain, register};
-use gym_sim::{Observation, Rng, SimTask, Simulation, Start};
+use gym_sim::{Naming, Observation, Rng, SimTask, Simulation, Start};
 
 /// The half edge of the floor on which the ball lies.
 const FLOOR: f64 = 15.0;
@@ -248,6 +248,40 @@ impl SimTask for Quadruped {
                 out.vector("ball_state", state.into_iter().flatten());
                 let place = times(minus(d.site_xpos[target], pos), mat);
                 out.vector("target_position", place);
+            }
+        }
+    }
+
+    fn names(&self, names: &mut Naming<'_>) {
+        let hinges = model::HINGES;
+        names.part("egocentric_state");
+        names.positions(7..7 + hinges).velocities(6..6 + hinges);
+        names.activations();
+        names.part("torso_velocity").sensors(6..9);
+        names.part("torso_upright");
+        names.add("cosine of the inclination of torso");
+        names.part("imu").sensors(..6);
+        names.part("force_torque");
+        for sensor in 9..33 {
+            names.of("arcsinh of", &names.sensor(sensor));
+        }
+        match self.goal {
+            Goal::Move(_) => {}
+            Goal::Escape => {
+                names.part("origin");
+                names.xyz("{} from torso to the middle in the torso's frame (m)");
+                names.part("rangefinder");
+                for sensor in 33..names.model().nsensordata() {
+                    names.of("tanh of", &names.sensor(sensor));
+                }
+            }
+            Goal::Fetch { .. } => {
+                names.part("ball_state");
+                names.xyz("{} from torso to ball in the torso's frame (m)");
+                names.xyz("velocity of ball against torso along the torso's {} (m/s)");
+                names.xyz("angular velocity of ball about the torso's {} (rad/s)");
+                names.part("target_position");
+                names.xyz("{} from torso to target in the torso's frame (m)");
             }
         }
     }

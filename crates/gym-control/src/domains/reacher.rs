@@ -25,7 +25,7 @@ use super::{check, config, norm};
 use crate::domain::clip;
 use crate::rewards::Tolerance;
 use crate::{Domain, register};
-use gym_sim::{Observation, SimTask, Simulation, Start};
+use gym_sim::{Naming, Observation, SimTask, Simulation, Start};
 
 config! { 20.0;
     /// Radius of the target.
@@ -88,6 +88,13 @@ impl SimTask for Reacher {
         out.vector("position", d.qpos.iter().copied());
         out.vector("to_target", self.to_target(d));
         out.vector("velocity", d.qvel.iter().copied());
+    }
+
+    fn names(&self, names: &mut Naming<'_>) {
+        names.part("position").positions(..);
+        names.part("to_target");
+        names.each(&["x", "y"], "{} from finger to target (m)");
+        names.part("velocity").velocities(..);
     }
 
     fn reward(&self, _: &Model, d: &Data) -> f64 {

@@ -22,12 +22,12 @@ use gym_core::{Error, Result};
 use mujoco_engine::lanes::Derived;
 use mujoco_engine::{Data, Model};
 
-use super::arm::{self, Arm, distance, pose};
+use super::arm::{self, Arm, distance, name_pose, pose};
 use super::config;
 use crate::domain::clip;
 use crate::rewards::{Sigmoid, Tolerance};
 use crate::{Domain, register};
-use gym_sim::{Observation, SimTask, Simulation, Start};
+use gym_sim::{Naming, Observation, SimTask, Simulation, Start};
 
 /// Half the width of a box.
 const SIZE: f64 = 0.022; // m
@@ -139,6 +139,27 @@ impl SimTask for Stacker {
 
     fn reads(&self, _: &Model) -> Option<Vec<Derived>> {
         Some(arm::READS.to_vec())
+    }
+
+    fn names(&self, names: &mut Naming<'_>) {
+        self.arm.names(names);
+        if self.fully_observable {
+            let m = names.model();
+            self.arm.name_hand(names);
+            names.part("box_pos");
+            for [body, ..] in &self.boxes {
+                name_pose(names, *body);
+            }
+            names.part("box_vel");
+            for [_, _, joint] in &self.boxes {
+                let v = m.jnt_dofadr[*joint];
+                for dof in [v, v + 2, v + 1] {
+                    names.add(names.velocity(dof));
+                }
+            }
+            names.part("target_pos");
+            names.each(&["x", "z"], "{} of target (m)");
+        }
     }
 
     fn reward(&self, _: &Model, d: &Data) -> f64 {

@@ -25,7 +25,7 @@ use super::{config, minus, norm, times};
 use crate::domain::clip;
 use crate::rewards::{Sigmoid, Tolerance};
 use crate::{Domain, register};
-use gym_sim::{Observation, SimTask, Simulation, Start};
+use gym_sim::{Naming, Observation, SimTask, Simulation, Start};
 
 config! { 30.0;
     /// Number of links.
@@ -128,6 +128,21 @@ impl SimTask for Swimmer {
             "body_velocities",
             d.sensordata.as_chunks().0.iter().flat_map(planar),
         );
+    }
+
+    fn names(&self, names: &mut Naming<'_>) {
+        names.part("joints").positions(3..);
+        names.part("to_target");
+        names.each(
+            &["x", "y"],
+            "{} from nose to target in the head's frame (m)",
+        );
+        names.part("body_velocities");
+        for link in 0..names.model().nsensordata() / 6 {
+            for k in [0, 1, 5] {
+                names.add(names.sensor(6 * link + k));
+            }
+        }
     }
 
     fn reward(&self, _: &Model, d: &Data) -> f64 {

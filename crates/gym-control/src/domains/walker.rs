@@ -25,7 +25,7 @@ use super::{check, config};
 use crate::domain::{STANDING, clip};
 use crate::rewards::{Sigmoid, Tolerance};
 use crate::{Domain, register};
-use gym_sim::{Observation, SimTask, Simulation, Start};
+use gym_sim::{Naming, Observation, SimTask, Simulation, Start};
 
 config! { 25.0;
     /// The speed that is rewarded by 1; 0 for standing.
@@ -84,6 +84,16 @@ impl SimTask for Walker {
         out.vector("orientations", bodies);
         out.scalar("height", d.xpos[self.torso][2]);
         out.vector("velocity", d.qvel.iter().copied());
+    }
+
+    fn names(&self, names: &mut Naming<'_>) {
+        names.part("orientations");
+        for body in 1..names.model().nbody() {
+            let body = names.body(body);
+            names.each(&["cosine", "sine"], &format!("{{}} of angle of {body}"));
+        }
+        names.part("height").add("height of torso (m)");
+        names.part("velocity").velocities(..);
     }
 
     fn reward(&self, _: &Model, d: &Data) -> f64 {

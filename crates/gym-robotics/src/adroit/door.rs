@@ -22,7 +22,7 @@
 
 use gym_core::Result;
 use gym_sim::numpy::sum_of_squares;
-use gym_sim::{Observation, Rng, Simulation};
+use gym_sim::{Naming, Observation, Rng, Simulation};
 use mujoco_engine::{CompiledModel, Data, Model};
 
 use super::hand::ArmJoint;
@@ -90,6 +90,15 @@ impl Skill for Door {
                 .chain(minus(palm, handle))
                 .chain([open]),
         );
+    }
+
+    fn names(&self, names: &mut Naming<'_>) {
+        let n = names.model().nq();
+        names.positions(1..n - 2).positions(n - 1..);
+        names.add(names.position(self.hinge));
+        names.xyz("{} of the palm (m)").xyz("{} of the handle (m)");
+        names.xyz("{} from handle to palm (m)");
+        names.add("1 if the door is open, else -1");
     }
 
     fn judge(&self, d: &Data) -> (f64, bool) {

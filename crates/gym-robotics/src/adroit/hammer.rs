@@ -22,7 +22,7 @@
 
 use gym_core::Result;
 use gym_sim::numpy::norm_avx2;
-use gym_sim::{Observation, Rng, Simulation};
+use gym_sim::{Naming, Observation, Rng, Simulation};
 use mujoco_engine::{CompiledModel, Data, Model};
 
 use super::hand::ArmJoint;
@@ -84,6 +84,15 @@ impl Skill for Hammer {
                 .chain(d.site_xpos[self.nail])
                 .chain([d.sensordata[self.impact].clamp(-1.0, 1.0)]),
         );
+    }
+
+    fn names(&self, names: &mut Naming<'_>) {
+        let [nq, nv] = [names.model().nq(), names.model().nv()];
+        names.positions(..nq - 6).velocities(nv - 6..);
+        names.xyz("{} of the palm (m)").xyz("{} of the hammer (m)");
+        names.xyz("Euler angle of the hammer about {} (rad)");
+        names.xyz("{} of the nail (m)");
+        names.add(names.sensor(self.impact));
     }
 
     fn judge(&self, d: &Data) -> (f64, bool) {

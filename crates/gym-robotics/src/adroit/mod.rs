@@ -19,8 +19,8 @@ use gym_core::{Array, Error, Kwargs, Registration, Result};
 use gym_sim::numpy::norm_avx2;
 use gym_sim::view::CameraConfig;
 use gym_sim::{
-    Common, Measured, Measures, Observation, Rng, Settings, SimEnv, SimTask, Simulation, Start,
-    Stepper, register,
+    Common, Measured, Measures, Naming, Observation, Rng, Settings, SimEnv, SimTask, Simulation,
+    Start, Stepper, register,
 };
 use mujoco_engine::math::MAXVAL;
 use mujoco_engine::{CompiledModel, Data, Model};
@@ -93,6 +93,9 @@ pub(crate) trait Skill: Debug + Send + Sync + Sized + 'static {
 
     /// Adds the observation.
     fn observe(&self, m: &Model, d: &Data, out: &mut Observation);
+
+    /// Adds the names of the observation's numbers.
+    fn names(&self, names: &mut Naming<'_>);
 
     /// The dense reward, and whether the goal is reached.
     fn judge(&self, d: &Data) -> (f64, bool);
@@ -259,6 +262,14 @@ impl<S: Skill> SimTask for HandTask<S> {
 
     fn observe(&self, m: &Model, d: &Data, out: &mut Observation) {
         self.skill.observe(m, d, out);
+    }
+
+    fn names(&self, names: &mut Naming<'_>) {
+        self.skill.names(names);
+        for actuator in 0..self.controls.len() {
+            let of = names.actuator(actuator);
+            names.action(format!("target of {of} as a share of its range"));
+        }
     }
 
     fn measures(&self) -> Measures {

@@ -22,7 +22,7 @@
 
 use gym_core::Result;
 use gym_sim::numpy::{inner_avx2, norm_avx2};
-use gym_sim::{Observation, Rng, Simulation};
+use gym_sim::{Naming, Observation, Rng, Simulation};
 use mujoco_engine::{CompiledModel, Data, Model};
 
 use super::hand::ArmJoint;
@@ -113,6 +113,16 @@ impl Skill for Pen {
                 .chain(minus(place, d.site_xpos[self.place]))
                 .chain(minus(direction, goal)),
         );
+    }
+
+    fn names(&self, names: &mut Naming<'_>) {
+        let [nq, nv] = [names.model().nq(), names.model().nv()];
+        names.positions(..nq - 6).xyz("{} of the pen (m)");
+        names.velocities(nv - 6..);
+        names.xyz("{} of the pen's direction");
+        names.xyz("{} of the goal's direction");
+        names.xyz("{} from the goal to the pen (m)");
+        names.xyz("{} of the difference of the directions");
     }
 
     fn judge(&self, d: &Data) -> (f64, bool) {

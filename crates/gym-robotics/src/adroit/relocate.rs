@@ -21,7 +21,7 @@
 //! Kumar's ADROIT.
 
 use gym_core::Result;
-use gym_sim::{Observation, Rng, Simulation};
+use gym_sim::{Naming, Observation, Rng, Simulation};
 use mujoco_engine::{CompiledModel, Data, Model};
 
 use super::hand::ArmJoint;
@@ -96,6 +96,13 @@ impl Skill for Relocate {
                 .chain(minus(palm, target))
                 .chain(minus(ball, target)),
         );
+    }
+
+    fn names(&self, names: &mut Naming<'_>) {
+        names.positions(..names.model().nq() - 6);
+        names.xyz("{} from ball to palm (m)");
+        names.xyz("{} from target to palm (m)");
+        names.xyz("{} from target to ball (m)");
     }
 
     fn judge(&self, d: &Data) -> (f64, bool) {

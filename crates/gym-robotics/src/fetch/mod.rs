@@ -34,8 +34,8 @@ use gym_core::{Array, Error, Goals, Registration, Result};
 use gym_sim::numpy::norm_avx2;
 use gym_sim::view::CameraConfig;
 use gym_sim::{
-    Common, Measured, Observation, Rng, Settings, SimEnv, SimTask, Simulation, Start, Stepper,
-    Visit,
+    Common, Measured, Naming, Observation, Rng, Settings, SimEnv, SimTask, Simulation, Start,
+    Stepper, Visit,
 };
 use mujoco_engine::math::sub;
 use mujoco_engine::model::{BiasType, EqualityType};
@@ -428,6 +428,36 @@ impl SimTask for Task {
         }
     }
 
+    fn names(&self, names: &mut Naming<'_>) {
+        let fingers = &["right", "left"];
+        let moved = if self.object.is_some() {
+            "object"
+        } else {
+            "gripper"
+        };
+        names
+            .part("achieved_goal")
+            .xyz(&format!("{{}} of the {moved} (m)"));
+        names.part("desired_goal").xyz("{} of the goal (m)");
+        names.part("observation").xyz("{} of the gripper (m)");
+        if self.object.is_some() {
+            names.xyz("{} of the object (m)");
+            names.xyz("{} from gripper to object (m)");
+        }
+        names.each(fingers, "position of the {} finger (m)");
+        if self.object.is_some() {
+            names.xyz("Euler angle of the object about {} (rad)");
+            names.xyz("movement of the object against the gripper along {} (m per step)");
+            names.xyz("turn of the object about {} (rad per step)");
+        }
+        names.xyz("movement of the gripper along {} (m per step)");
+        names.each(fingers, "movement of the {} finger (m per step)");
+        for axis in ["x", "y", "z"] {
+            names.action(format!("movement of the gripper along {axis} (0.05 m)"));
+        }
+        names.action("opening of the fingers (m)");
+    }
+
     fn show(&self, d: &mut Data) {
         d.site_xpos[self.target] = [d.userdata[0], d.userdata[1], d.userdata[2]];
     }
@@ -447,6 +477,7 @@ impl SimTask for Task {
 /// The registration that all ids share.
 const fn fetch(id: &'static str, kwargs: &'static str, description: &'static str) -> Registration {
     Registration::new::<Fetch>(id)
+        .names(gym_sim::names)
         .description(description)
         .kwargs(kwargs)
         .max_episode_steps(50)

@@ -6,8 +6,8 @@ use gym_core::math::numpy_exp;
 use gym_core::{Array, Goals, Kwargs, Result};
 use gym_sim::numpy::norm;
 use gym_sim::{
-    Common, Measured, Measures, Observation, Rng, Settings, SimEnv, SimTask, Simulation, Start,
-    Stepper, Visit,
+    Common, Measured, Measures, Naming, Observation, Rng, Settings, SimEnv, SimTask, Simulation,
+    Start, Stepper, Visit,
 };
 use mujoco_engine::lanes::Derived;
 use mujoco_engine::{Data, Model};
@@ -214,6 +214,13 @@ impl<A: SimTask> SimTask for MazeTask<A> {
         out.vector("achieved_goal", Self::achieved(d).iter().copied());
         out.vector("desired_goal", Self::observed(d).iter().copied());
         self.agent.observe(m, d, out);
+    }
+
+    fn names(&self, names: &mut Naming<'_>) {
+        names.part("achieved_goal").positions(..2);
+        names.part("desired_goal");
+        names.each(&["x", "y"], "{} of the goal (m)");
+        self.agent.names(names.part("observation"));
     }
 
     fn show(&self, d: &mut Data) {

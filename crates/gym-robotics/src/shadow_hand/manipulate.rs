@@ -25,7 +25,9 @@ use std::path::PathBuf;
 
 use gym_core::registry::Build;
 use gym_core::{Array, Error, Goals, Registration, Result};
-use gym_sim::{Common, Measured, Observation, Rng, SimEnv, SimTask, Simulation, Start, Visit};
+use gym_sim::{
+    Common, Measured, Naming, Observation, Rng, SimEnv, SimTask, Simulation, Start, Visit,
+};
 use mujoco_engine::math::{add, mul_quat, quat_to_mat, rotate};
 use mujoco_engine::{Data, Model};
 use serde::{Deserialize, Serialize};
@@ -395,6 +397,22 @@ impl SimTask for Task {
         out.vector("achieved_goal", pose.clone());
         out.vector("desired_goal", d.userdata.iter().copied());
         out.extend(self.hand.state(d).chain(speeds).chain(pose).chain(touch));
+    }
+
+    fn names(&self, names: &mut Naming<'_>) {
+        names.part("achieved_goal").pose("the object");
+        names.part("desired_goal").pose("the goal");
+        self.hand.names(names.part("observation"));
+        let dof = self.object.dof;
+        names.velocities(dof..dof + 6).pose("the object");
+        for sensor in &self.sensors {
+            let name = names.sensor(*sensor);
+            match self.touch {
+                Touch::Boolean => names.of("whether there is a", &name),
+                Touch::Log => names.of("logarithm of 1 N plus", &name),
+                Touch::Sensordata | Touch::Off => names.add(name),
+            };
+        }
     }
 
     /// Shows the goal beside the object, if the goal has no place.

@@ -14,7 +14,7 @@ use gym_core::registry::Clip;
 use gym_core::spaces::BoxSpace;
 use gym_core::{Array, Registration, Result};
 use gym_sim::view::CameraConfig;
-use gym_sim::{Common, Settings, SimEnv, SimTask, Simulation, Stepper};
+use gym_sim::{Common, Naming, Settings, SimEnv, SimTask, Simulation, Stepper};
 use mujoco_engine::{Data, Model};
 use serde::Serialize;
 
@@ -101,11 +101,26 @@ impl Hand {
         let positions = self.joints.iter().map(|[position, _]| d.qpos[*position]);
         positions.chain(self.joints.iter().map(|[_, dof]| d.qvel[*dof]))
     }
+
+    /// Adds the names of [`state`](Self::state), and of the numbers of an action.
+    fn names(&self, names: &mut Naming<'_>) {
+        for [position, _] in &self.joints {
+            names.add(names.position(*position));
+        }
+        for [_, dof] in &self.joints {
+            names.add(names.velocity(*dof));
+        }
+        for actuator in 0..self.controls.len() {
+            let of = names.actuator(actuator);
+            names.action(format!("target of {of} as a share of its range"));
+        }
+    }
 }
 
 /// What the registrations of all ids share.
 const fn registered(registration: Registration, steps: u32) -> Registration {
     registration
+        .names(gym_sim::names)
         .max_episode_steps(steps)
         .needs(assets::NEED, assets::available)
         .clip(Clip {

@@ -24,7 +24,9 @@ use std::path::PathBuf;
 use gym_core::registry::Build;
 use gym_core::{Array, Error, Goals, Registration, Result};
 use gym_sim::numpy::norm_avx2;
-use gym_sim::{Common, Measured, Observation, Rng, SimEnv, SimTask, Simulation, Start, Visit};
+use gym_sim::{
+    Common, Measured, Naming, Observation, Rng, SimEnv, SimTask, Simulation, Start, Visit,
+};
 use mujoco_engine::math::sub;
 use mujoco_engine::{Data, Model, forward};
 use serde_json::{Map, Value as Json};
@@ -234,6 +236,23 @@ impl SimTask for Task {
         out.vector("achieved_goal", achieved);
         out.vector("desired_goal", d.userdata.iter().copied());
         out.extend(self.hand.state(d).chain(achieved));
+    }
+
+    fn names(&self, names: &mut Naming<'_>) {
+        for (part, of) in [
+            ("achieved_goal", ""),
+            ("desired_goal", "the goal of "),
+            ("observation", ""),
+        ] {
+            names.part(part);
+            if part == "observation" {
+                self.hand.names(names);
+            }
+            for tip in self.tips {
+                let tip = names.site(tip);
+                names.xyz(&format!("{{}} of {of}{tip} (m)"));
+            }
+        }
     }
 
     fn show(&self, d: &mut Data) {

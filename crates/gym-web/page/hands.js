@@ -65,7 +65,7 @@ export function makeHands(game, actionNames) {
       const actions = Array.from({ length: space.n }, (_, i) => space.start + i);
       element.append(keyList(actions.map((action) => h("button", { type: "button", class: "key", onclick: () => press(action) }, meaning(action)))));
     } else if (space.kind === "Box" && space.shape.length === 1 && space.low && space.shape[0] <= 24) {
-      element.append(sliders(space, (held) => {
+      element.append(sliders(space, game.env.names.action[""] ?? [], (held) => {
         taken(held !== null);
         game.set({ held });
         if (held === null) show();
@@ -105,11 +105,12 @@ function keyButton(keys, name, meaning) {
   return button;
 }
 
-// Makes a slider for each number of the action. Calls `act` with all numbers, or with `null` when the person lets go.
-function sliders(space, act) {
+// Makes a slider for each number of the action, with its name. Calls `act` with all numbers, or with `null` when the person lets go.
+function sliders(space, names, act) {
   const values = space.low.map((low, i) => Math.max(low, Math.min(space.high[i], 0)));
   const rows = values.map((value, i) => {
-    const input = h("input", { type: "range", min: String(space.low[i]), max: String(space.high[i]), step: "any", "aria-label": `Action ${i}` });
+    const name = names[i] ?? `action ${i}`;
+    const input = h("input", { type: "range", min: String(space.low[i]), max: String(space.high[i]), step: "any", "aria-label": name });
     input.value = String(value);
     const output = h("output", {}, number(value));
     input.addEventListener("input", () => {
@@ -117,7 +118,7 @@ function sliders(space, act) {
       output.textContent = number(values[i]);
       act([...values]);
     });
-    return h("label", { class: "action-slider" }, h("span", {}, `action ${i}`), input, output);
+    return h("label", { class: "action-slider" }, h("span", {}, name), input, output);
   });
   return h("div", { class: "sliders" }, rows, h("button", { type: "button", onclick: () => act(null) }, "Let go"));
 }

@@ -1,4 +1,4 @@
-// The book's page about an environment: its text, and the names of observations and actions in it.
+// The book's page about an environment: its text, and the names of actions in it.
 import { docs } from "./engine.js";
 import { h } from "./dom.js";
 
@@ -23,32 +23,6 @@ export function section(text, title) {
 export function rows(text) {
   const lines = text.split("\n").filter((line) => line.startsWith("|"));
   return lines.slice(2).map((line) => line.replace(/^\||\|$/g, "").split(/(?<!\\)\|/).map((cell) => cell.trim()));
-}
-
-// Returns the names of an observation's numbers, from rows such as `0, 1`, `3` or `5 to 9` of the page's table.
-export function names(text, count) {
-  const list = listedNames(text, count);
-  for (const [numbers, name, unit = ""] of rows(section(text, "Observation"))) {
-    const range = /^(\d+)\s*(?:to|–|-)\s*(\d+)$/.exec(numbers);
-    const indices = range
-      ? Array.from({ length: range[2] - range[1] + 1 }, (_, i) => Number(range[1]) + i)
-      : numbers.split(",").map((text) => Number.parseInt(text, 10));
-    indices.forEach((index, i) => {
-      if (Number.isInteger(index)) list[index] = { name: plain(name), part: indices.length > 1 ? i + 1 : 0, unit: plain(unit) };
-    });
-  }
-  return list;
-}
-
-// Returns the names in the row `observation` of the first table, if their number is `count`: `cart position (m), cart velocity (m/s)`.
-function listedNames(text, count) {
-  const row = rows(text).find(([name]) => name === "observation");
-  const parts = plain(row?.[1] ?? "").split(";")[0].split(/,\s+(?![^(]*\))/);
-  if (parts.length !== count) return [];
-  return parts.map((part) => {
-    const [, name, unit = ""] = /^(.*?)(?:\s*\(([^)]*)\))?$/.exec(part);
-    return { name, part: 0, unit };
-  });
 }
 
 // Returns the names of discrete actions, by number.

@@ -31,7 +31,7 @@ export async function play(main, engine, environments, id, parameters, refresh) 
   game.transport = makeTransport(game);
   game.players = makePlayers(game);
   game.hands = makeHands(game, actionNames);
-  game.shown = makeState(game, actionNames, book);
+  game.shown = makeState(game, actionNames);
   game.returns = makeReturns(game);
   game.sharing = makeSharing(game);
   game.spaces = h("dl", { class: "spaces" });
@@ -163,7 +163,7 @@ function head(environment, card) {
 function about(book) {
   if (!book) return null;
   const whole = section(book.text.replace(/^/, "\n## All\n").replace(/\n## (?!All)/g, "\n### "), "All");
-  const text = whole.replace(/\n### (Returns|Ids|Spaces|Arguments)\n[\s\S]*?(?=\n### |$)/g, "").replace(/^[\s\S]*?\n# [^\n]+\n/, "");
+  const text = whole.replace(/\n### (Returns|Ids|Numbers|Spaces|Arguments)\n[\s\S]*?(?=\n### |$)/g, "").replace(/^[\s\S]*?\n# [^\n]+\n/, "");
   return h("details", { class: "card about" }, h("summary", {}, h("h2", {}, "About this task")), markdown(text));
 }
 

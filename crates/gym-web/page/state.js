@@ -1,7 +1,6 @@
 // The state of the episode: return, last step, observation, `info` and seed.
 import { h, iconButton, number } from "./dom.js";
 import { observationView } from "./observation.js";
-import { names as observationNames } from "./pages.js";
 
 export const card = (title, ...content) => h("section", { class: "card" }, h("h2", {}, title), ...content);
 
@@ -15,7 +14,7 @@ function infoText(value) {
 }
 
 // Returns the cards, the seed field, `open(env)` for a newly opened environment, and `update(state)`.
-export function makeState(game, actionNames, book) {
+export function makeState(game, actionNames) {
   const sum = h("output", { class: "return" }, "0");
   const facts = h("dl", { class: "facts" });
   const observed = h("div", {});
@@ -36,8 +35,8 @@ export function makeState(game, actionNames, book) {
       card("Observation", observed),
       infoCard,
     ],
-    open({ observation_space: space }) {
-      view = observationView(space, book ? observationNames(book.text, space.shape?.[0]) : []);
+    open({ observation_space: space, names }) {
+      view = observationView(space, names.observation);
       observed.replaceChildren(view.element);
       return view;
     },

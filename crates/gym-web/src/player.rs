@@ -7,8 +7,8 @@ use gym::policy::Controller;
 use gym::render::{RenderMode, Rendered, Video, VideoFormat};
 use gym::trace::{Event, Trace};
 use gym::{
-    BoxEnv, Env, EnvExt, Error, Keys, Kwargs, Reset, Result, Sampler, Seed, Snapshot, Value,
-    registry,
+    BoxEnv, Env, EnvExt, Error, Keys, Kwargs, Reset, Result, Sampler, Seed, Snapshot, Space, Value,
+    names, registry,
 };
 use serde_json::{Value as Json, json};
 
@@ -97,6 +97,23 @@ impl Player {
             "threshold": self.env.spec().and_then(|spec| spec.reward_threshold),
             "turns": turns(&self.env),
             "keys": self.keys().unwrap_or_default(),
+            "names": self.names(),
+        })
+    }
+
+    /// Describes the names of the numbers in observations and actions, by the part of the space.
+    fn names(&self) -> Json {
+        let names = registry::find(&self.id)
+            .ok()
+            .and_then(|entry| entry.page.names);
+        let names = names.map(|names| names(&self.env)).unwrap_or_default();
+        let of = |space: &Space, names: &[String]| -> Json {
+            let parts = names::parts(space, names).unwrap_or_default().into_iter();
+            Json::Object(parts.map(|part| (part.path, json!(part.names))).collect())
+        };
+        json!({
+            "observation": of(&self.env.observation_space(), &names.observation),
+            "action": of(&self.env.action_space(), &names.action),
         })
     }
 

@@ -423,8 +423,30 @@ await testOf("CartPole-v1", "addresses that cannot be are told in words", async 
   await until(() => Number(text(".steps")) > 0, "a step");
 });
 
+await test("each number of an observation and of an action has its name", async () => {
+  const labels = (selector) => [...frame.contentDocument.querySelectorAll(selector)].map((label) => label.textContent);
+  for (const [id, first, action] of [
+    ["HalfCheetah-v5", "position of torso along z (m)", "torque of bthigh (120 N m)"],
+    ["dm_control/cheetah-run-v0", "position of torso along z (m)", "torque of bthigh (120 N m)"],
+    ["LunarLander-v3", "x from the middle of the pad (10 m)"],
+    ["Pendulum-v1", "cosine of the angle"],
+    ["Humanoid-v5", "position of torso along z (m)", "torque of abdomen_y (100 N m)"],
+  ].filter(([id]) => has(id))) {
+    await open(`#/${id}?policy=none`, ".bar-name");
+    const names = labels(".play-side .bar-name");
+    check(names[0] === first, `${id}: the first number is called “${names[0]}”`);
+    const nameless = [...names, ...labels(".action-slider span")].find((name) => /^(number|action) \d/.test(name));
+    check(!nameless, `${id}: “${nameless}” is no name`);
+    if (action) check(labels(".action-slider span")[0] === action, `${id}: a slider is called “${labels(".action-slider span")[0]}”`);
+  }
+  if (has("dm_control/cheetah-run-v0")) {
+    await open("#/dm_control/cheetah-run-v0?policy=none", ".bar-name");
+    check(labels(".parts h3").join() === "position,velocity", `the parts are ${labels(".parts h3")}`);
+  }
+});
+
 await test("labels of observations are shown whole", async () => {
-  for (const id of ["Humanoid-v5", "BipedalWalker-v3", "LunarLander-v3", "CartPole-v1"].filter(has)) {
+  for (const id of ["Humanoid-v5", "dm_control/cheetah-run-v0", "BipedalWalker-v3", "LunarLander-v3", "CartPole-v1"].filter(has)) {
     for (const width of [360, 1200]) {
       frame.width = width;
       await open(`#/${id}`, ".bar-name");

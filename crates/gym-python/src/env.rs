@@ -10,8 +10,8 @@ use gym::registry::find;
 use gym::render::{RenderMode, Rendered};
 use gym::sim::SimEnv;
 use gym::{
-    BoxEnv, Env as _, EnvExt as _, EnvSpec, Error, Generator, Inspect, Kwargs, Outcome, Reset,
-    Result, Snapshot, Space, Value,
+    BoxEnv, Env as _, EnvExt as _, EnvSpec, Error, Generator, Inspect, Kwargs, Names, Outcome,
+    Reset, Result, Snapshot, Space, Value,
 };
 use numpy::{PyArray1, PyArrayMethods};
 use pyo3::prelude::*;
@@ -329,6 +329,17 @@ impl Env {
         let core = self.lock(py)?;
         let history = core.history.as_ref().filter(|_| core.is_running);
         Ok(history.and_then(|history| serde_json::to_string(history).ok()))
+    }
+
+    /// The names of the numbers in an observation, and in an action.
+    fn names(&self, py: Python<'_>) -> PyResult<(Vec<String>, Vec<String>)> {
+        let core = self.lock(py)?;
+        let names = find(&self.id).or_raise()?.page.names;
+        let Names {
+            observation,
+            action,
+        } = names.map(|names| names(&core.env)).unwrap_or_default();
+        Ok((observation, action))
     }
 
     /// The state as JSON, for environments whose dynamics are pure functions of the state.

@@ -171,6 +171,15 @@ def test_options() -> None:
     assert (np.abs(env.state - 0.225) <= 0.026).all()
 
 
+def test_numbers_have_names() -> None:
+    env = gymnasium.make("rustgym/HalfCheetah-v5", exclude_current_positions_from_observation=False)
+    names = env.unwrapped.observation_names  # type: ignore[attr-defined]
+    assert len(names) == 18 == env.observation_space.shape[0]  # type: ignore[index]
+    assert names[:3] == ["position of torso along x (m)", "position of torso along z (m)", "angle of torso about y (rad)"]
+    assert rustgym.Env("HalfCheetah-v5").action_names[0] == "torque of bthigh (120 N m)"
+    assert rustgym.Env("CarRacing-v3").observation_names == []
+
+
 def test_arguments() -> None:
     lake = rustgym.Env("FrozenLake-v1", desc=["SFG", "HHH", "FFF"], is_slippery=False)
     assert lake.observation_space.n == 9 and lake.arguments["is_slippery"] is False

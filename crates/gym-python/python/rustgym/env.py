@@ -323,6 +323,20 @@ class Env(gymnasium.Env[Any, Any], metaclass=_Kind):
             self._window.close()
         self.__dict__["_was_closed"] = True
 
+    @property
+    def observation_names(self) -> list[str]:
+        """The names of the numbers in an observation, in the order of its space; empty if they have none.
+
+            >>> rustgym.Env("CartPole-v1").observation_names
+            ['cart position (m)', 'cart velocity (m/s)', 'pole angle (rad)', 'pole angular velocity (rad/s)']
+        """
+        return [] if self._native is None else self._native.names()[0]
+
+    @property
+    def action_names(self) -> list[str]:
+        """The names of the numbers in an action, in the order of its space; empty if they have none."""
+        return [] if self._native is None else self._native.names()[1]
+
     def get_state(self) -> str:
         """The whole state, generator included, as JSON text: for planners, and to store."""
         self._push()

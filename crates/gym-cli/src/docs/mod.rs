@@ -1,6 +1,7 @@
 //! `cargo xtask docs`: the pages about the environments, and the book around them.
 
 mod draw;
+mod numbers;
 mod page;
 mod returns;
 

@@ -9,7 +9,7 @@ use gym::{Env, Error, Registration, Result, registry};
 use serde_json::Value as Json;
 
 use super::returns::{EPISODES, Measured, Returns, Summary};
-use super::{Book, Document};
+use super::{Book, Document, numbers};
 use crate::workspace::{self, Workspace};
 
 /// A page: the environments that one module registers.
@@ -143,8 +143,6 @@ struct Docs {
     summary: String,
     /// The lines of the table.
     table: Vec<String>,
-    /// A table of the numbers in an observation.
-    observation: Option<String>,
     versions: Option<String>,
     differences: Option<String>,
     rest: Vec<String>,
@@ -172,7 +170,6 @@ impl Docs {
             title: title.to_owned(),
             summary: capitalised(&summary.replace('\n', " ")),
             table: Vec::new(),
-            observation: None,
             versions: None,
             differences: None,
             rest: Vec::new(),
@@ -180,8 +177,6 @@ impl Docs {
         for paragraph in paragraphs {
             if paragraph.starts_with("| |") {
                 docs.table = paragraph.lines().skip(2).map(str::to_owned).collect();
-            } else if paragraph.starts_with("| number |") {
-                docs.observation = Some(paragraph.to_owned());
             } else if let Some(versions) = paragraph.strip_prefix("Versions: ") {
                 docs.versions = Some(versions.to_owned());
             } else if let Some((_, differences)) = paragraph
@@ -305,8 +300,9 @@ impl Page {
         text += &format!("\n| | |\n|---|---|\n{}\n", docs.table.join("\n"));
         let mut section =
             |title: &str, body: &str| text += &format!("\n## {title}\n\n{}\n", body.trim_end());
-        if let Some(observation) = &docs.observation {
-            section("Observation", observation);
+        let numbers = numbers::tables(self.shown(), registrations)?;
+        if !numbers.is_empty() {
+            section("Numbers", &numbers);
         }
         if let Some(entry) = registrations
             .iter()

@@ -10,9 +10,8 @@
 //! | limit | 15 s: 1000 steps of 0.015 s |
 //!
 //! Differences from dm_control: none are known with `mujoco="3.12"`; dm_control 1.0.45 does not run
-//! on 4.0, the default, and libmujoco 4.0 itself, which orders the solver's matrices anew, differs by
-//! rounding. The last bit of some numbers is numpy's with OpenBLAS's kernel for AVX2, for which
-//! `OPENBLAS_CORETYPE=Zen` asks; on other CPUs dm_control's own differs. Masses and
+//! on 4.0, the default. The last bit of some numbers is numpy's with OpenBLAS's kernel for AVX2, for
+//! which `OPENBLAS_CORETYPE=Zen` asks; on other CPUs dm_control's own differs. Masses and
 //! inertias are those that libmujoco 3.12, or 4.0, computes from the bones' meshes, as numbers.
 //! Pictures show the shapes that collide: bones and skin are left out.
 //!

@@ -10,9 +10,8 @@
 //! | limit | 20 s: 1000 steps of 0.02 s |
 //!
 //! Differences from dm_control: none are known with `mujoco="3.12"`; dm_control 1.0.45 does not run
-//! on 4.0, the default, and libmujoco 4.0 itself, which orders the solver's matrices anew, differs by
-//! rounding. The last bit of some numbers is numpy's with OpenBLAS's kernel for AVX2, for which
-//! `OPENBLAS_CORETYPE=Zen` asks; on other CPUs dm_control's own differs. The sites
+//! on 4.0, the default. The last bit of some numbers is numpy's with OpenBLAS's kernel for AVX2, for
+//! which `OPENBLAS_CORETYPE=Zen` asks; on other CPUs dm_control's own differs. The sites
 //! and sensors of touch, which no observation has, are left out.
 //!
 //! Source: dm_control 1.0.45, `suite/humanoid_CMU.py`.

@@ -5,9 +5,12 @@
 //! The factor is `L' L`, made from the last row to the first: the degrees of freedom near the root
 //! come last, so the factor has few elements more than the matrix.
 
+mod blocks;
+
 use std::ops::Range;
 
 use super::newton::Problem;
+use crate::Revision;
 use crate::math::dense::{Lanes, dot_sparse};
 use crate::math::spatial::MINVAL;
 use crate::physics::constraint::Constraints;
@@ -75,7 +78,11 @@ pub(super) struct Sparse {
     parents: Vec<usize>,
     marks: Vec<usize>,
     cursors: Vec<usize>,
+    /// How many rows are factored together if the row is the last of them.
+    together: Vec<usize>,
     row: Vec<f64>,
+    /// The elements of a row of the factor.
+    sums: Vec<f64>,
     /// The island's number of each degree of freedom of the model.
     local: Vec<usize>,
 }
@@ -102,11 +109,13 @@ impl Sparse {
             &mut self.parents,
             &mut self.marks,
             &mut self.cursors,
+            &mut self.together,
             &mut self.local,
         ] {
             vector.reserve(n + 1);
         }
         self.row.reserve(n);
+        self.sums.reserve(n);
     }
 
     /// Copies the Jacobian of an island, given by its blocks, and transposes it.
@@ -168,7 +177,12 @@ impl Sparse {
     pub(super) fn factor(&mut self, problem: &Problem<'_>, pushes: &[bool]) {
         self.add_up(problem, pushes);
         self.find_elements(problem.n);
-        self.eliminate(problem.n);
+        if problem.m.revision.factors_in_blocks() {
+            self.find_blocks(problem.n, problem.m.revision);
+            self.eliminate_blocks(problem.n);
+        } else {
+            self.eliminate(problem.n);
+        }
     }
 
     /// Computes the lower triangle of the Hessian: MuJoCo's `mju_sqrMatTDSparse`, then
@@ -339,7 +353,7 @@ impl Sparse {
     /// Solves for the Newton step: MuJoCo's `mju_cholSolveSparse`. `coned` selects the factor with
     /// the second derivatives of cones.
     #[inline(never)]
-    pub(super) fn solve(&self, coned: bool, n: usize, x: &mut [Lanes]) {
+    pub(super) fn solve(&self, coned: bool, n: usize, x: &mut [Lanes], revision: Revision) {
         let factor = &self.factor;
         let values = if coned {
             &self.with_cones
@@ -363,13 +377,24 @@ impl Sparse {
                 }
             }
         }
-        for i in 0..n {
+        let mut i = 0;
+        while i < n {
+            let count = if revision.factors_in_blocks() {
+                self.solved_together(n, i)
+            } else {
+                1
+            };
             let Range { start, end } = factor.row(i);
             let before = start..end - 1;
-            if !before.is_empty() {
-                x[i] -= dot_sparse(&values[before.clone()], &factor.columns[before], x);
+            if count == 1 {
+                if !before.is_empty() {
+                    x[i] -= dot_sparse(&values[before.clone()], &factor.columns[before], x);
+                }
+                x[i] /= values[end - 1];
+            } else {
+                self.solve_together(values, x, i, count);
             }
-            x[i] /= values[end - 1];
+            i += count;
         }
     }
 

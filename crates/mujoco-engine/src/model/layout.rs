@@ -50,8 +50,8 @@ pub(super) fn around(points: impl Iterator<Item = [f32; 3]>) -> Bounds {
 #[derive(Clone, Debug)]
 pub(crate) struct Hull {
     vertices: Vec<Vertex>,
-    /// The neighbours of each vertex, in the order of the graph.
-    neighbours: Vec<Neighbour>,
+    /// The neighbours of each vertex, in the order of the graph, by fours.
+    neighbours: Vec<Four>,
     /// Where searches begin, by direction: `mesh_extrema`.
     pub(crate) seeds: [u32; 27],
 }
@@ -61,15 +61,43 @@ struct Vertex {
     at: [f32; 3],
     /// The vertex's number in the mesh.
     id: u32,
-    /// Where the vertex's neighbours end.
+    /// Where the fours of the vertex's neighbours end.
     end: u32,
 }
 
+/// Four neighbours of a vertex; those that are missing have NaN as coordinates.
 #[derive(Clone, Copy, Debug)]
-struct Neighbour {
-    at: [f32; 3],
-    /// The vertex's number in the hull.
-    number: u32,
+struct Four {
+    x: [f32; 4],
+    y: [f32; 4],
+    z: [f32; 4],
+    /// The vertices' numbers in the hull.
+    numbers: [u32; 4],
+}
+
+impl Four {
+    fn new(numbers: &[i32], at: impl Fn(usize) -> [f32; 3]) -> Self {
+        let places = std::array::from_fn(|k| match numbers.get(k) {
+            Some(&number) => at(number as usize),
+            None => [f32::NAN; 3],
+        });
+        let of = |axis: usize| places.map(|place: [f32; 3]| place[axis]);
+        let number = |k: usize| numbers.get(k).map_or(0, |&number| number as u32);
+        Self {
+            x: of(0),
+            y: of(1),
+            z: of(2),
+            numbers: std::array::from_fn(number),
+        }
+    }
+
+    /// How far each is in a direction.
+    #[inline]
+    fn along(&self, [x, y, z]: Vec3) -> [f64; 4] {
+        std::array::from_fn(|k| {
+            x * f64::from(self.x[k]) + y * f64::from(self.y[k]) + z * f64::from(self.z[k])
+        })
+    }
 }
 
 impl Hull {
@@ -80,11 +108,8 @@ impl Hull {
         let mut lists = lists.split(|other| *other == -1);
         let (mut vertices, mut neighbours) = (Vec::with_capacity(count), Vec::new());
         for (number, id) in ids.iter().enumerate() {
-            let others = lists.next().unwrap_or_default().iter();
-            neighbours.extend(others.map(|other| Neighbour {
-                at: at(*other as usize),
-                number: *other as u32,
-            }));
+            let others = lists.next().unwrap_or_default();
+            neighbours.extend(others.chunks(4).map(|four| Four::new(four, at)));
             vertices.push(Vertex {
                 at: at(number),
                 id: *id as u32,
@@ -108,7 +133,7 @@ impl Hull {
         along(direction, self.vertices[vertex].at)
     }
 
-    fn neighbours(&self, vertex: usize) -> &[Neighbour] {
+    fn neighbours(&self, vertex: usize) -> &[Four] {
         let before = vertex.checked_sub(1);
         let start = before.map_or(0, |before| self.vertices[before].end);
         &self.neighbours[start as usize..self.vertices[vertex].end as usize]
@@ -120,10 +145,16 @@ impl Hull {
         let (mut best, mut most) = (start, self.along(direction, start));
         loop {
             let before = best;
-            for other in self.neighbours(before) {
-                let height = along(direction, other.at);
-                if height > most {
-                    (best, most) = (other.number as usize, height);
+            for four in self.neighbours(before) {
+                let heights = four.along(direction);
+                // no comparison with NaN is true, so the first of a pair stays
+                let larger = |a: f64, b: f64| if b > a { b } else { a };
+                let [a, b, c, d] = heights;
+                let highest = larger(larger(a, b), larger(c, d));
+                if highest > most {
+                    let first = heights.iter().position(|height| *height == highest);
+                    best = four.numbers[first.unwrap_or(0)] as usize;
+                    most = highest;
                 }
             }
             if best == before {

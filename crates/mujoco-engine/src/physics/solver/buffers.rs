@@ -1,7 +1,7 @@
 //! The buffers of the primal solvers, Newton and CG.
 
 use super::line_search::Row;
-use super::row_costs::{ConeHessian, Piece, State};
+use super::row_costs::{ConeHessian, Course, State};
 use super::sparse::Sparse;
 use crate::Model;
 use crate::math::dense::{self, Lanes};
@@ -47,7 +47,7 @@ pub(crate) struct Buffers {
     /// costs along the search direction, the second derivatives of cones, and the factor that
     /// includes the second derivatives.
     pub(super) states: Vec<State>,
-    pub(super) pieces: Vec<Piece>,
+    pub(super) course: Course,
     pub(super) cones: Vec<ConeHessian>,
     pub(super) with_cones: Vec<Lanes>,
     // buffers of conjugate gradients
@@ -107,7 +107,7 @@ impl Buffers {
         }
         buffers.pushes.reserve(rows);
         buffers.states.reserve(rows);
-        buffers.pieces.reserve(rows);
+        buffers.course.reserve(rows, cones);
         buffers.rows.reserve(rows);
         if cones > 0 {
             buffers.cones.reserve(cones);

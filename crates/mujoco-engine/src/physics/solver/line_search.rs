@@ -1,6 +1,6 @@
 //! Newton's line search: the exact minimum of a piecewise quadratic function.
 
-use super::row_costs::{Piece, evaluate};
+use super::row_costs::{Course, evaluate};
 use crate::math::spatial::MINVAL;
 
 /// The quantities of a row that a line search reads.
@@ -32,9 +32,8 @@ impl Row {
 /// The cost along a search direction, relative to the cost at step length 0.
 pub(in crate::physics) struct Along<'a> {
     pub(in crate::physics) rows: &'a [Row],
-    /// The rows' costs, for models with equality constraints, dry friction or elliptic cones;
-    /// otherwise empty.
-    pub(in crate::physics) pieces: &'a [Piece],
+    /// The rows' costs, for models with equality constraints, dry friction or elliptic cones.
+    pub(in crate::physics) course: Option<&'a Course>,
     /// The coefficients of the step length and of its square in the smooth part of the cost.
     pub(in crate::physics) linear: f64,
     pub(in crate::physics) quadratic: f64,
@@ -63,9 +62,9 @@ impl Along<'_> {
     #[inline(always)]
     fn at(&mut self, alpha: f64) -> Point {
         self.evaluations += 1;
-        if !self.pieces.is_empty() {
+        if let Some(course) = self.course {
             let quad = [0.0, self.linear, self.quadratic];
-            let [cost, slope, curvature] = evaluate(self.pieces, alpha, quad);
+            let [cost, slope, curvature] = evaluate(course, alpha, quad);
             return Point {
                 alpha,
                 cost,

@@ -335,7 +335,7 @@ fn iterate(problem: &Problem<'_>, b: &mut Buffers, scale: f64, tolerance: f64) -
             add_cones(problem, b);
         }
         if problem.sparse {
-            b.sparse.solve(coned, n, &mut b.mgrad);
+            b.sparse.solve(coned, n, &mut b.mgrad, m.revision);
         } else {
             let factor = if coned { &b.with_cones } else { &b.hessian };
             cholesky::solve(factor, n, problem.stride, &mut b.mgrad, m.revision);
@@ -545,9 +545,8 @@ pub(super) fn search(problem: &Problem<'_>, b: &mut Buffers, scale: f64) -> (f64
     problem.mul_m(&mut b.way, &b.search, &mut b.mv);
     problem.mul_jacobian(&b.sparse, &b.search, &mut b.jv);
     b.rows.clear();
-    b.pieces.clear();
     match &problem.row_costs {
-        Some(row_costs) => row_costs.prepare(&b.jar, &b.jv, &mut b.pieces),
+        Some(row_costs) => row_costs.prepare(&b.jar, &b.jv, &mut b.course),
         None => b.rows.extend(
             b.jar
                 .iter()
@@ -558,7 +557,7 @@ pub(super) fn search(problem: &Problem<'_>, b: &mut Buffers, scale: f64) -> (f64
     }
     let along = Along {
         rows: &b.rows,
-        pieces: &b.pieces,
+        course: problem.row_costs.is_some().then_some(&b.course),
         linear: dot(&b.search, &b.ma, n) - dot(&b.smooth, &b.search, n),
         quadratic: 0.5 * dot(&b.search, &b.mv, n),
         evaluations: 0,

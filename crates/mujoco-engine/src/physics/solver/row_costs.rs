@@ -206,6 +206,20 @@ fn cone_hessian(
     h
 }
 
+/// The costs of all rows along a search direction.
+#[derive(Clone, Debug, Default)]
+pub(in crate::physics) struct Course {
+    pieces: Vec<Piece>,
+    cones: Vec<Cone>,
+}
+
+impl Course {
+    pub(super) fn reserve(&mut self, rows: usize, cones: usize) {
+        self.pieces.reserve(rows);
+        self.cones.reserve(cones);
+    }
+}
+
 /// The cost of a block of rows as a function of the step length along a search direction: MuJoCo's
 /// `PrimalPrepare`.
 #[derive(Clone, Copy, Debug)]
@@ -226,7 +240,8 @@ pub(crate) enum Piece {
         along: f64,
         quad: [f64; 3],
     },
-    Cone(Cone),
+    /// The number of the cone.
+    Cone(usize),
 }
 
 /// The cost of an elliptic cone along a search direction. As in MuJoCo, `u` and `v` are the normal
@@ -242,13 +257,18 @@ pub(crate) struct Cone {
     vv: f64,
     dm: f64,
     mu: f64,
-    /// From 4.0 on: the tangential residuals, each with its change, and their number.
-    parts: Option<([[f64; 2]; 5], usize)>,
+    /// The zone and the tangential length at step length 0.
+    start: (Zone, f64),
+    /// From 4.0 on: the tangential residuals, each with its change, and their number; before, 0.
+    parts: [[f64; 2]; 5],
+    number: usize,
 }
 
 impl RowCosts<'_> {
-    pub(super) fn prepare(&self, jar: &[f64], jv: &[f64], pieces: &mut Vec<Piece>) {
+    pub(super) fn prepare(&self, jar: &[f64], jv: &[f64], course: &mut Course) {
+        let Course { pieces, cones } = course;
         pieces.clear();
+        cones.clear();
         for block in self.blocks {
             for i in block.row..block.row + block.rows {
                 let force = self.d[i] * jar[i];
@@ -272,7 +292,8 @@ impl RowCosts<'_> {
                         quad,
                     },
                     Kind::Cone => {
-                        pieces.extend(self.along_cone(block, jar, jv).map(Piece::Cone));
+                        cones.extend(self.along_cone(block, jar, jv));
+                        pieces.push(Piece::Cone(cones.len().saturating_sub(1)));
                         break;
                     }
                 });
@@ -299,28 +320,28 @@ impl RowCosts<'_> {
             (uu, uv, vv) = (uu + u * u, uv + u * v, vv + v * v);
             parts[j - 1] = [u, v];
         }
+        let (u, by_direction) = (jar[i] * mu, self.revision.slopes_by_direction());
         Some(Cone {
             quad: [quad[0] * 0.5, quad[1], quad[2] * 0.5],
-            u: jar[i] * mu,
+            u,
             v: jv[i] * mu,
             uu,
             uv,
             vv,
             dm: self.d[i] / ((mu * mu) * (1.0 + mu * mu)),
             mu,
-            parts: self
-                .revision
-                .slopes_by_direction()
-                .then_some((parts, block.rows - 1)),
+            start: zone_of_cone(mu, u, uu),
+            parts,
+            number: if by_direction { block.rows - 1 } else { 0 },
         })
     }
 }
 
 /// Returns the cost at the step length `alpha` relative to step length 0, its slope and its
 /// curvature: MuJoCo's `PrimalEval`. `quad` has the coefficients of the smooth part of the cost.
-pub(super) fn evaluate(pieces: &[Piece], alpha: f64, mut quad: [f64; 3]) -> [f64; 3] {
+pub(super) fn evaluate(course: &Course, alpha: f64, mut quad: [f64; 3]) -> [f64; 3] {
     let (mut cost, mut slope, mut curvature) = (0.0, 0.0, 0.0);
-    for piece in pieces {
+    for piece in &course.pieces {
         match piece {
             Piece::Equality([linear, square]) => {
                 quad[1] += linear;
@@ -358,10 +379,10 @@ pub(super) fn evaluate(pieces: &[Piece], alpha: f64, mut quad: [f64; 3]) -> [f64
                     cost -= before;
                 }
             }
-            Piece::Cone(cone) => {
-                cost += cone.difference(alpha);
-                let [more, bend] = cone.derivatives(alpha);
-                slope += more;
+            Piece::Cone(number) => {
+                let [more, tilt, bend] = course.cones[*number].at(alpha);
+                cost += more;
+                slope += tilt;
                 curvature += bend;
             }
         }
@@ -401,7 +422,7 @@ fn friction_difference(start: f64, x: f64, loss: f64, bound: f64, d: f64) -> f64
 }
 
 /// The zones of a contact's elliptic cone.
-#[derive(Clone, Copy, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Zone {
     /// The contact separates: no force.
     Top,
@@ -411,53 +432,44 @@ enum Zone {
     Middle,
 }
 
+/// Returns the zone and the tangential length, given the normal part `n` and the square of the
+/// tangential length.
+fn zone_of_cone(mu: f64, n: f64, square: f64) -> (Zone, f64) {
+    if square <= 0.0 {
+        let zone = if n < 0.0 { Zone::Bottom } else { Zone::Top };
+        return (zone, 0.0);
+    }
+    let t = square.sqrt();
+    let zone = if n >= mu * t {
+        Zone::Top
+    } else if mu * n + t <= 0.0 {
+        Zone::Bottom
+    } else {
+        Zone::Middle
+    };
+    (zone, t)
+}
+
 impl Cone {
-    /// Returns the zone and the tangential length, given the normal part `n` and the square of the
-    /// tangential length.
-    fn zone(&self, n: f64, square: f64) -> (Zone, f64) {
-        if square <= 0.0 {
-            let zone = if n < 0.0 { Zone::Bottom } else { Zone::Top };
-            return (zone, 0.0);
-        }
-        let t = square.sqrt();
-        let zone = if n >= self.mu * t {
-            Zone::Top
-        } else if self.mu * n + t <= 0.0 {
-            Zone::Bottom
-        } else {
-            Zone::Middle
-        };
-        (zone, t)
-    }
-
-    /// Returns the normal part and the square of the tangential length at the step length `alpha`.
-    fn at(&self, alpha: f64) -> (f64, f64) {
-        let square = if let Some((parts, number)) = &self.parts {
-            let moved = parts[..*number].iter().map(|[u, v]| u + alpha * v);
-            moved.fold(0.0, |sum, x| sum + x * x)
-        } else {
-            self.uu + alpha * (2.0 * self.uv + alpha * self.vv)
-        };
-        (self.u + alpha * self.v, square)
-    }
-
-    /// Returns the change of the square of the tangential length from step length 0 to `alpha`.
-    fn growth(&self, alpha: f64) -> f64 {
-        if let Some((parts, number)) = &self.parts {
-            let parts = parts[..*number].iter();
-            parts.fold(0.0, |sum, [u, v]| sum + alpha * v * (u + (u + alpha * v)))
-        } else {
-            alpha * (2.0 * self.uv + alpha * self.vv)
-        }
-    }
-
-    /// Returns the change of the cost from step length 0 to `alpha`: MuJoCo's `ellipticCostDif`.
-    fn difference(&self, alpha: f64) -> f64 {
+    /// Returns the change of the cost from step length 0 to `alpha`, MuJoCo's `ellipticCostDif`,
+    /// and the slope and curvature there.
+    fn at(&self, alpha: f64) -> [f64; 3] {
         let Self { quad, mu, dm, .. } = *self;
-        let (start, t0) = self.zone(self.u, self.uu);
-        let (n, square) = self.at(alpha);
-        let (end, t) = self.zone(n, square);
-        match (start, end) {
+        let parts = &self.parts[..self.number];
+        let mut moved = [0.0; 5];
+        let n = self.u + alpha * self.v;
+        let square = if parts.is_empty() {
+            self.uu + alpha * (2.0 * self.uv + alpha * self.vv)
+        } else {
+            let mut square = 0.0;
+            for (moved, [u, v]) in moved.iter_mut().zip(parts) {
+                *moved = u + alpha * v;
+                square += *moved * *moved;
+            }
+            square
+        };
+        let ((start, t0), (end, t)) = (self.start, zone_of_cone(mu, n, square));
+        let cost = match (start, end) {
             (Zone::Top, Zone::Top) => 0.0,
             (Zone::Bottom, Zone::Bottom) => alpha * alpha * quad[2] + alpha * quad[1],
             (Zone::Middle, Zone::Middle) => {
@@ -483,22 +495,17 @@ impl Cone {
                 -0.5 * dm * before * before
             }
             (Zone::Bottom, Zone::Top) => -quad[0],
-        }
-    }
-
-    fn derivatives(&self, alpha: f64) -> [f64; 2] {
-        let Self { quad, mu, dm, .. } = *self;
-        let (n, square) = self.at(alpha);
-        match self.zone(n, square) {
-            (Zone::Top, _) => [0.0; 2],
-            (Zone::Bottom, _) => [2.0 * alpha * quad[2] + quad[1], 2.0 * quad[2]],
-            (Zone::Middle, t) if self.parts.is_some() => {
-                let (along, across) = self.slide(alpha, t);
+        };
+        let [slope, curvature] = match end {
+            Zone::Top => [0.0; 2],
+            Zone::Bottom => [2.0 * alpha * quad[2] + quad[1], 2.0 * quad[2]],
+            Zone::Middle if self.number > 0 => {
+                let (along, across) = self.slide(&moved, t);
                 let slope = self.v - mu * (along / t);
                 let bend = (n / t - mu) * (across * mu);
                 [dm * (n - mu * t) * slope, dm * (slope * slope - bend)]
             }
-            (Zone::Middle, t) => {
+            Zone::Middle => {
                 let n1 = self.v;
                 let t1 = (self.uv + alpha * self.vv) / t;
                 let t2 = self.vv / t - (self.uv + alpha * self.vv) * t1 / (t * t);
@@ -507,26 +514,31 @@ impl Cone {
                     dm * ((n1 - mu * t1) * (n1 - mu * t1) + (n - mu * t) * (-mu * t2)),
                 ]
             }
+        };
+        [cost, slope, curvature]
+    }
+
+    /// Returns the change of the square of the tangential length from step length 0 to `alpha`.
+    fn growth(&self, alpha: f64) -> f64 {
+        if self.number == 0 {
+            return alpha * (2.0 * self.uv + alpha * self.vv);
         }
+        let parts = self.parts[..self.number].iter();
+        parts.fold(0.0, |sum, [u, v]| sum + alpha * v * (u + (u + alpha * v)))
     }
 
     /// Returns the scalar product of the tangential residuals and their changes, and the square of
     /// the part of the changes that is perpendicular to the residuals. `length` is the length of
-    /// the residuals.
-    fn slide(&self, alpha: f64, length: f64) -> (f64, f64) {
-        let Some((parts, number)) = &self.parts else {
-            return (0.0, 0.0);
-        };
-        let parts = &parts[..*number];
-        let moved = |[u, v]: [f64; 2]| u + alpha * v;
-        let along = parts.iter();
-        let along = along.fold(0.0, |sum, &part| sum + moved(part) * part[1]);
+    /// the residuals `moved`.
+    fn slide(&self, moved: &[f64; 5], length: f64) -> (f64, f64) {
+        let parts = &self.parts[..self.number];
+        let products = parts.iter().zip(moved).map(|([_, v], moved)| moved * v);
+        let along = products.fold(0.0, |sum, product| sum + product);
+        let directions = moved.map(|moved| moved / length);
         let mut across = 0.0;
-        for (j, &first) in parts.iter().enumerate() {
-            let direction = moved(first) / length;
-            for &second in &parts[j + 1..] {
-                let other = moved(second) / length;
-                let area = direction * second[1] - first[1] * other;
+        for (j, [_, first]) in parts.iter().enumerate() {
+            for (k, [_, second]) in parts.iter().enumerate().skip(j + 1) {
+                let area = directions[j] * second - first * directions[k];
                 across += area * area;
             }
         }

@@ -129,7 +129,7 @@ impl Newton {
             let [linear, quadratic, flat] = along.each_ref().map(|row| row.0[world]);
             let along = line_search::Along {
                 rows: &self.line,
-                pieces: &[],
+                course: None,
                 linear,
                 quadratic,
                 evaluations: 0,

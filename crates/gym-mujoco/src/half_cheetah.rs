@@ -85,9 +85,9 @@ impl SimTask for Task {
     }
 
     fn start(&self, start: &mut Start<'_>) -> Result<()> {
-        let (model, data, rng) = start.parts();
+        let (_, data, rng) = start.parts();
         let scale = self.config.reset_noise_scale;
-        uniform_noise(&mut data.qpos, &model.qpos0, scale, rng);
+        uniform_noise(&mut data.qpos, scale, rng);
         normal_noise(&mut data.qvel, scale, rng);
         Ok(())
     }

@@ -20,7 +20,7 @@
 
 use crate::bodies::{FORCES, INERTIA, VELOCITY, name_bodies};
 use crate::motion::visit_motion;
-use crate::noise::{uniform_noise, uniform_velocities};
+use crate::noise::uniform_noise;
 use crate::range::Range;
 use crate::{Humanoid, clip};
 use gym_core::{Array, Registration, Result};
@@ -203,10 +203,10 @@ impl SimTask for Task {
     }
 
     fn start(&self, start: &mut Start<'_>) -> Result<()> {
-        let (model, data, rng) = start.parts();
+        let (_, data, rng) = start.parts();
         let scale = self.config.reset_noise_scale;
-        uniform_noise(&mut data.qpos, &model.qpos0, scale, rng);
-        uniform_velocities(&mut data.qvel, scale, rng);
+        uniform_noise(&mut data.qpos, scale, rng);
+        uniform_noise(&mut data.qvel, scale, rng);
         Ok(())
     }
 

@@ -18,7 +18,7 @@
 //! Source: Gymnasium 1.4.0, `envs/mujoco/humanoidstandup_v5.py` and `_v4.py`; 0.29.1 for version 2.
 
 use crate::humanoid::{Observed, READS};
-use crate::noise::{uniform_noise, uniform_velocities};
+use crate::noise::uniform_noise;
 use crate::range::Range;
 use crate::{HumanoidStandup, clip};
 use gym_core::{Array, Registration, Result};
@@ -89,10 +89,10 @@ impl SimTask for Task {
     }
 
     fn start(&self, start: &mut Start<'_>) -> Result<()> {
-        let (model, data, rng) = start.parts();
+        let (_, data, rng) = start.parts();
         let scale = self.config.reset_noise_scale;
-        uniform_noise(&mut data.qpos, &model.qpos0, scale, rng);
-        uniform_velocities(&mut data.qvel, scale, rng);
+        uniform_noise(&mut data.qpos, scale, rng);
+        uniform_noise(&mut data.qvel, scale, rng);
         Ok(())
     }
 
@@ -124,7 +124,7 @@ impl SimTask for Task {
         if self.version >= 5 {
             visit("x_position", data.qpos[0]);
             visit("y_position", data.qpos[1]);
-            let height = data.qpos[2] - simulation.model.qpos0[2];
+            let height = data.qpos[2] - simulation.initial_qpos()[2];
             visit("z_distance_from_origin", height);
         }
         if let Some([up, ctrl, impact]) = measured.map(Measured::numbers) {

@@ -19,7 +19,7 @@
 //! Source: Gymnasium 1.4.0, `envs/mujoco/inverted_pendulum_v5.py` and `_v4.py`; 0.29.1 for version
 //! 2.
 
-use crate::noise::{uniform_noise, uniform_velocities};
+use crate::noise::uniform_noise;
 use crate::{InvertedPendulum, clip};
 use gym_core::{Array, Registration, Result};
 use gym_sim::view::CameraConfig;
@@ -75,10 +75,10 @@ impl SimTask for Task {
     }
 
     fn start(&self, start: &mut Start<'_>) -> Result<()> {
-        let (model, data, rng) = start.parts();
+        let (_, data, rng) = start.parts();
         let scale = self.config.reset_noise_scale;
-        uniform_noise(&mut data.qpos, &model.qpos0, scale, rng);
-        uniform_velocities(&mut data.qvel, scale, rng);
+        uniform_noise(&mut data.qpos, scale, rng);
+        uniform_noise(&mut data.qvel, scale, rng);
         Ok(())
     }
 

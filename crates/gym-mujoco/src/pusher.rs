@@ -19,7 +19,7 @@
 //! Source: Gymnasium 1.4.0, `envs/mujoco/pusher_v5.py` and `_v4.py`; 0.29.1 for version 2.
 
 use crate::cost::ControlCost;
-use crate::noise::uniform_velocities;
+use crate::noise::uniform_noise;
 use crate::{Pusher, clip};
 use gym_core::{Array, Registration, Result};
 use gym_sim::numpy::norm;
@@ -122,7 +122,7 @@ impl SimTask for Task {
         let free = data.qpos.len() - 4;
         data.qpos[free..free + 2].copy_from_slice(&place);
         data.qpos[free + 2..].fill(0.0);
-        uniform_velocities(&mut data.qvel, VELOCITY_NOISE, rng);
+        uniform_noise(&mut data.qvel, VELOCITY_NOISE, rng);
         let free = data.qvel.len() - 4;
         data.qvel[free..].fill(0.0);
         Ok(())

@@ -18,7 +18,7 @@
 //! Source: Gymnasium 1.4.0, `envs/mujoco/reacher_v5.py` and `_v4.py`; 0.29.1 for version 2.
 
 use crate::cost::ControlCost;
-use crate::noise::{uniform_noise, uniform_velocities};
+use crate::noise::uniform_noise;
 use crate::{Reacher, clip};
 use gym_core::math;
 use gym_core::{Array, Registration, Result};
@@ -94,8 +94,8 @@ impl SimTask for Task {
     }
 
     fn start(&self, start: &mut Start<'_>) -> Result<()> {
-        let (model, data, rng) = start.parts();
-        uniform_noise(&mut data.qpos, &model.qpos0, ANGLE_NOISE, rng);
+        let (_, data, rng) = start.parts();
+        uniform_noise(&mut data.qpos, ANGLE_NOISE, rng);
         let goal = loop {
             let goal = [(); 2].map(|()| rng.uniform(-REACH, REACH));
             if norm(self.version, &goal) < REACH {
@@ -104,7 +104,7 @@ impl SimTask for Task {
         };
         let free = data.qpos.len() - 2;
         data.qpos[free..].copy_from_slice(&goal);
-        uniform_velocities(&mut data.qvel, VELOCITY_NOISE, rng);
+        uniform_noise(&mut data.qvel, VELOCITY_NOISE, rng);
         let free = data.qvel.len() - 2;
         data.qvel[free..].fill(0.0);
         Ok(())

@@ -3,7 +3,7 @@
 use std::marker::PhantomData;
 
 use crate::cost::ControlCost;
-use crate::noise::{uniform_noise, uniform_velocities};
+use crate::noise::uniform_noise;
 use crate::range::Range;
 use gym_core::{Array, Result};
 use gym_sim::{
@@ -86,10 +86,10 @@ impl<C: RunnerArguments> SimTask for Runner<C> {
     }
 
     fn start(&self, start: &mut Start<'_>) -> Result<()> {
-        let (model, data, rng) = start.parts();
+        let (_, data, rng) = start.parts();
         let scale = self.settings.reset_noise_scale;
-        uniform_noise(&mut data.qpos, &model.qpos0, scale, rng);
-        uniform_velocities(&mut data.qvel, scale, rng);
+        uniform_noise(&mut data.qpos, scale, rng);
+        uniform_noise(&mut data.qvel, scale, rng);
         Ok(())
     }
 
@@ -130,7 +130,7 @@ impl<C: RunnerArguments> SimTask for Runner<C> {
     ) {
         if self.version >= 5 {
             visit("x_position", data.qpos[0]);
-            let height = data.qpos[1] - simulation.model.qpos0[1];
+            let height = data.qpos[1] - simulation.initial_qpos()[1];
             visit("z_distance_from_origin", height);
         }
         let Some([x_velocity, forward, ctrl, survive]) = measured.map(Measured::numbers) else {

@@ -91,12 +91,13 @@ pub(crate) fn model<'py>(py: Python<'py>, env: &BoxEnv) -> PyResult<Option<Bound
     let Some(env) = env.layer::<SimEnv>() else {
         return Ok(None);
     };
+    let simulation = env.simulation();
     let Simulation {
         model,
         xml_file,
         frame_skip,
         ..
-    } = env.simulation();
+    } = simulation;
     let built_in = || mujoco::models().find(|(name, _)| name == xml_file);
     let text = match xml_file.starts_with('<') {
         true => Some(&**xml_file),
@@ -105,7 +106,14 @@ pub(crate) fn model<'py>(py: Python<'py>, env: &BoxEnv) -> PyResult<Option<Bound
     let facts = PyDict::new(py);
     facts.set_item("xml_file", xml_file)?;
     facts.set_item("xml", text)?;
-    facts.set_item("qpos0", PyArray1::from_slice(py, &model.qpos0))?;
+    facts.set_item(
+        "init_qpos",
+        PyArray1::from_slice(py, simulation.initial_qpos()),
+    )?;
+    facts.set_item(
+        "init_qvel",
+        PyArray1::from_vec(py, simulation.initial_qvel()),
+    )?;
     facts.set_item("nv", model.nv())?;
     facts.set_item("bodies", &model.names.body)?;
     facts.set_item("timestep", model.opt.timestep)?;

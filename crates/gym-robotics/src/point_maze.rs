@@ -42,7 +42,7 @@ gym_core::arguments! {
         pub maze: MazeArguments,
         /// The arguments that all tasks share.
         #[flatten(
-            xml_file = 0, frame_skip = 0, default_camera_config = 0, width = 3.., height = 3.., camera_id = 3..,
+            xml_file = 0, keyframe = 0, frame_skip = 0, default_camera_config = 0, width = 3.., height = 3.., camera_id = 3..,
             camera_name = 3.., max_geom = 3.., visual_options = 3..
         )]
         pub common: Common,

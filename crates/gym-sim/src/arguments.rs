@@ -70,6 +70,10 @@ gym_core::arguments! {
         /// `.`, `/` or `~`.
         #[versions = 5..]
         pub xml_file: String,
+        /// The keyframe of the model that episodes start from, by its name or number, instead of
+        /// the initial configuration.
+        #[versions = 5..]
+        pub keyframe: Option<String>,
         /// The number of the model's timesteps per step.
         #[versions = 5..]
         pub frame_skip: usize = 1,

@@ -250,7 +250,7 @@ impl SimEnv {
             ..
         } = &mut *episode;
         if seeded || !self.task.goes_on() || !data.is_computed() {
-            data.reset(&self.simulation.model);
+            self.simulation.reset(data);
         }
         data.userdata.resize(self.task.remembers(), 0.0);
         if self.settles() {

@@ -30,7 +30,7 @@ pub mod viewer;
 pub use arguments::{Common, TaskArguments};
 pub use entry::{Entry, Family, FromArguments, Own, names, register};
 pub use env::SimEnv;
-pub use load::{load, text};
+pub use load::{keyframe_names, keyframe_of, load, text};
 pub use mujoco_engine as engine;
 pub use naming::Naming;
 pub use observation::Observation;

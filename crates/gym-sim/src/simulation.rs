@@ -9,6 +9,7 @@ use mujoco_engine::physics::{forward, rne_post_constraint, step, step1, step2, s
 use mujoco_engine::{CompiledModel, Data, Model};
 
 use crate::arguments::Common;
+use crate::load::keyframe_of;
 use crate::view::View;
 
 /// The constant parts of an environment: a model, and how it is stepped and seen.
@@ -18,6 +19,8 @@ pub struct Simulation {
     pub model: Arc<Model>,
     /// The source of the model: the name of a built-in one, the path of a file, or a text in MJCF.
     pub xml_file: String,
+    /// The keyframe that episodes start from, by number.
+    pub(crate) keyframe: Option<usize>,
     /// The number of timesteps per step.
     pub frame_skip: usize,
     /// Length of a step in seconds.
@@ -98,8 +101,8 @@ impl Simulation {
     /// `arguments`.
     ///
     /// # Errors
-    /// [`Error::InvalidArgument`] for an argument out of range, and a camera that the model lacks;
-    /// those of `load`.
+    /// [`Error::InvalidArgument`] for an argument out of range, and a camera or keyframe that the
+    /// model lacks; those of `load`.
     pub fn new(
         load: impl FnOnce() -> Result<Arc<Model>>,
         arguments: &Common,
@@ -108,12 +111,14 @@ impl Simulation {
         arguments.check()?;
         let model = load()?;
         let view = arguments.view(&model)?;
+        let keyframe = arguments.keyframe.as_deref();
         let scheme = match stepper {
             Stepper::Behind { contact_forces } => Scheme::Behind { contact_forces },
             Stepper::Settled => Scheme::Settled(Variants::of(&model)?),
         };
         Ok(Self {
             xml_file: arguments.xml_file.clone(),
+            keyframe: keyframe.map(|name| keyframe_of(&model, name)).transpose()?,
             frame_skip: arguments.frame_skip,
             dt: model.opt.timestep * arguments.frame_skip as f64,
             model,
@@ -175,6 +180,34 @@ impl Simulation {
         }
         self.model = model;
         Ok(())
+    }
+
+    /// The positions that episodes start from: those of the keyframe, or of the initial
+    /// configuration.
+    #[must_use]
+    pub fn initial_qpos(&self) -> &[f64] {
+        match self.keyframe {
+            Some(key) => &self.model.key_qpos[key],
+            None => &self.model.qpos0,
+        }
+    }
+
+    /// The velocities that episodes start from.
+    #[must_use]
+    pub fn initial_qvel(&self) -> Vec<f64> {
+        match self.keyframe {
+            Some(key) => self.model.key_qvel[key].clone(),
+            None => vec![0.0; self.model.nv()],
+        }
+    }
+
+    /// Resets to the state that episodes start from.
+    pub(crate) fn reset(&self, data: &mut Data) {
+        match self.keyframe {
+            // (the model has the keyframe)
+            Some(key) => drop(data.reset_keyframe(&self.model, key)),
+            None => data.reset(&self.model),
+        }
     }
 
     /// Computes the derived arrays of a state that was set. (dm_control does so without the

@@ -10,7 +10,8 @@ use crate::numpy::norm;
 use crate::rng::Rng;
 use crate::simulation::Simulation;
 
-/// An episode that is about to start. `data` is in the model's initial configuration.
+/// An episode that is about to start. `data` is in the model's initial configuration, or at the keyframe
+/// of the argument `keyframe`.
 #[derive(Debug)]
 pub struct Start<'a> {
     pub(crate) simulation: &'a mut Simulation,

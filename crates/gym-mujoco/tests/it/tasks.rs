@@ -134,6 +134,8 @@ fn bad_arguments_say_what_is_wrong() {
         ("Ant-v5", "healthy_reward", json!(1e101), "within ±1e100"),
         ("Ant-v5", "camera_name", json!("none"), "track"),
         ("Ant-v5", "camera_id", json!(7), "1 cameras"),
+        ("Ant-v5", "keyframe", json!("home"), "has no keyframe"),
+        ("Ant-v4", "keyframe", json!("home"), "unknown argument"),
         (
             "Ant-v5",
             "healthy_z_range",
@@ -402,4 +404,49 @@ fn a_snapshot_of_another_version_of_mujoco_is_refused() {
         let error = wide.restore(&made("4.0").snapshot().unwrap()).unwrap_err();
         assert!(error.to_string().contains("other arguments"), "{error}");
     }
+}
+
+/// A model for HalfCheetah's task, which needs little, with keyframes.
+const KEYED: &str = r#"<mujoco><worldbody><geom type="plane" size="9 9 1"/><body pos="0 0 1"><joint type="slide" axis="1 0 0"/>
+    <joint type="slide" axis="0 0 1"/><joint name="knee" axis="0 1 0"/><geom size=".1"/></body></worldbody>
+    <actuator><motor joint="knee"/></actuator>
+    <keyframe><key name="home" qpos=".5 .25 1" qvel="0 -.5 0"/><key qpos="0 .75 2"/></keyframe></mujoco>"#;
+
+#[test]
+fn an_episode_starts_at_a_keyframe() {
+    let start = |key: Option<&str>, scale: f64, seed: u64| {
+        let mut builder = builder("HalfCheetah-v5")
+            .arg("xml_file", KEYED)
+            .arg("reset_noise_scale", scale)
+            .arg("exclude_current_positions_from_observation", false);
+        if let Some(key) = key {
+            builder = builder.arg("keyframe", key);
+        }
+        let seen = builder.build().unwrap().reset(seed).unwrap();
+        let Value::Array(seen) = seen else {
+            panic!("{seen:?}")
+        };
+        seen.iter_f64().collect::<Vec<_>>()
+    };
+    assert_eq!(
+        start(Some("home"), 0.0, 1),
+        [0.5, 0.25, 1.0, 0.0, -0.5, 0.0]
+    );
+    assert_eq!(start(Some("1"), 0.0, 1), [0.0, 0.75, 2.0, 0.0, 0.0, 0.0]);
+    assert_eq!(start(None, 0.0, 1), [0.0; 6]);
+    // the noise is that of an episode without keyframes
+    let (noise, home) = (start(None, 0.1, 7), start(Some("home"), 0.1, 7));
+    assert!(noise.iter().all(|x| *x != 0.0), "{noise:?}");
+    let base = [0.5, 0.25, 1.0, 0.0, -0.5, 0.0];
+    let sums: Vec<f64> = base.iter().zip(&noise).map(|(x, of)| x + of).collect();
+    assert_eq!(home, sums);
+    let arguments = [("xml_file", json!(KEYED)), ("keyframe", json!("away"))];
+    let builder = arguments
+        .into_iter()
+        .fold(builder("HalfCheetah-v5"), |of, (name, x)| of.arg(name, x));
+    let error = builder.build().map(drop).unwrap_err().to_string();
+    assert!(
+        error.contains(r#""away": the model has home, 1"#),
+        "{error}"
+    );
 }

@@ -60,7 +60,7 @@ def observation_structure(env_id: str, facts: dict[str, Any], arguments: dict[st
     task, _, version = env_id.partition("-v")
     if version != "5" or task in ("InvertedDoublePendulum", "Pusher", "Reacher"):
         raise AttributeError(f"{env_id} has no observation_structure")
-    nq, nv, bodies = len(facts["qpos0"]), facts["nv"], len(facts["bodies"]) - 1
+    nq, nv, bodies = len(facts["init_qpos"]), facts["nv"], len(facts["bodies"]) - 1
     structure = {}
     excluded = 0
     if task in _CAN_EXCLUDE:

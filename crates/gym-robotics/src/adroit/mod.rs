@@ -42,7 +42,7 @@ gym_core::arguments! {
         pub reward_type: RewardType = RewardType::Dense,
         /// The arguments that all tasks share.
         #[flatten(
-            xml_file = 0, frame_skip = 0, default_camera_config = 0, width = 1.., height = 1.., camera_id = 1..,
+            xml_file = 0, keyframe = 0, frame_skip = 0, default_camera_config = 0, width = 1.., height = 1.., camera_id = 1..,
             camera_name = 1.., max_geom = 1.., visual_options = 1..
         )]
         pub common: Common,

@@ -141,7 +141,7 @@ gym_core::arguments! {
         pub assets: Option<PathBuf>,
         /// The arguments that all tasks share.
         #[flatten(
-            xml_file = 0, frame_skip = 0, default_camera_config = 1.., width = 1.., height = 1.., camera_id = 0,
+            xml_file = 0, keyframe = 0, frame_skip = 0, default_camera_config = 1.., width = 1.., height = 1.., camera_id = 0,
             camera_name = 0, max_geom = 0, visual_options = 0
         )]
         pub common: Common,

@@ -512,10 +512,8 @@ class MujocoEnv(ClassEnv):
         return float((self._made_of["timestep"] if has_own else self.model.opt.timestep) * self.frame_skip)
 
     def _initial(self, name: str) -> npt.NDArray[np.float64]:
-        if name == "init_qvel":
-            return np.zeros(self._made_of["nv"])
-        initial = np.array(self._made_of["qpos0"])
-        if self._start is not None and task_of(self.env_id) == "Pusher":
+        initial = np.array(self._made_of[name])
+        if name == "init_qpos" and self._start is not None and task_of(self.env_id) == "Pusher":
             initial[-4:] = self._start[-4:]
         return initial
 

@@ -4,7 +4,7 @@ use std::fmt::Display;
 
 use super::{features, hfields, meshes, textures, values};
 use crate::error::ensure;
-use crate::mjcf::MOST;
+use crate::mjcf::{MOST, MOST_KEYS};
 use crate::model::{CompiledModel, GeomType, JointType};
 use crate::{Error, Model, Result};
 
@@ -72,6 +72,11 @@ pub(super) fn equal_lengths(expected: usize, arrays: &[(&str, usize)]) -> Result
 
 /// Refuses more than [`MOST`] objects of a kind: the engine allocates products of these numbers.
 fn counts(m: &CompiledModel) -> Result<()> {
+    let keys = m.key_time.len();
+    ensure!(
+        keys <= MOST_KEYS,
+        "{keys} keyframes: more than {MOST_KEYS} are not supported"
+    );
     for (kind, count) in [
         ("bodies", m.nbody()),
         ("geoms", m.ngeom()),
@@ -86,7 +91,6 @@ fn counts(m: &CompiledModel) -> Result<()> {
         ("sensors", m.nsensor()),
         ("pairs", m.pair_dim.len()),
         ("excludes", m.exclude_signature.len()),
-        ("keyframes", m.key_time.len()),
     ] {
         ensure!(
             count <= MOST,

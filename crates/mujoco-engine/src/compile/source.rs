@@ -32,10 +32,10 @@ impl Model {
     ///
     /// Errors are composites, flexes, plugins, signed distance fields, sleeping (`flag sleep`, unless all
     /// bodies stay awake), adhesion of geoms, delays, polynomial springs and dampers, the actuators
-    /// dcmotor, pid and orientation, and the sensors user, tactile and plugin. So are more than 1000
+    /// dcmotor, pid and orientation, and the sensors user, tactile and plugin. So are more than 4000
     /// objects of a kind other than sites, more than 200,000 elements in bodies, and more than 8 MiB of
-    /// their names, all with the copies that `replicate` and `attach` make; more than 10 models within
-    /// each other; and files of meshes or of height fields with more than 256 MiB together.
+    /// their names, all with the copies that `replicate` and `attach` make; matrices of more than 2 GiB;
+    /// more than 10 models within each other; and files of meshes or of height fields with more than 256 MiB together.
     ///
     /// # Errors
     /// [`Error::Mjcf`] for text that is not XML, for anything outside the supported part of MJCF,

@@ -4,11 +4,11 @@
 use std::collections::HashSet;
 use std::rc::Rc;
 
-use super::MOST;
 use super::attach::{Attach, Parsed, Scope};
 use super::refers::Refers;
 use super::spec::{Key, Mesh, Spec, Stored};
 use super::xml::Element;
+use super::{MOST, MOST_KEYS};
 use crate::Result;
 use crate::model::ObjectType;
 
@@ -389,7 +389,7 @@ impl Names {
             ($list: ident) => {
                 for asset in &model.$list {
                     if spec.$list.len() == MOST {
-                        let reason = concat!("more than 1000 ", stringify!($list));
+                        let reason = format!("more than {MOST} {}", stringify!($list));
                         return Err(element.error(reason));
                     }
                     let mut asset = asset.clone();
@@ -446,8 +446,8 @@ fn add_keys(
     let stored = Stored::of(spec, model, attached, start.unwrap_or(0), number);
     let stored = Rc::new(stored);
     for key in &model.keys {
-        if spec.keys.len() + spec.attached_keys.len() >= MOST {
-            return Err(element.error(format!("more than {MOST} keys are not supported")));
+        if spec.keys.len() + spec.attached_keys.len() >= MOST_KEYS {
+            return Err(element.error(format!("more than {MOST_KEYS} keys are not supported")));
         }
         stored.check(key)?;
         let name = format!("{prefix}{}", key.name.as_deref().unwrap_or_default());

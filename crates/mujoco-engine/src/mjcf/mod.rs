@@ -18,6 +18,8 @@ pub(crate) mod spec;
 mod tidy;
 pub(crate) mod xml;
 
-/// The largest number of bodies, geoms and degrees of freedom (the engine's matrices are dense),
-/// and of each kind of object that is looked up by name.
-pub(crate) const MOST: usize = 1000;
+/// The largest number of bodies, of geoms, of degrees of freedom, and of each kind of object that is
+/// looked up by name.
+pub(crate) const MOST: usize = 4000;
+/// The largest number of keyframes: each has the positions of all joints.
+pub(crate) const MOST_KEYS: usize = 1000;

@@ -2,7 +2,6 @@
 
 use std::rc::Rc;
 
-use super::MOST;
 use super::attach::{Parsed, Scope};
 use super::bodies::Bodies;
 use super::copies::copy_references;
@@ -12,6 +11,7 @@ use super::spec::{
     ACTUATORS, Body, EQUALITIES, Exclude, Hfield, Key, Sensor, Spec, Tendon, Texture, replace,
 };
 use super::xml::Element;
+use super::{MOST, MOST_KEYS};
 use crate::model::{Cone, Disable, Integrator, SensorType, Solver};
 use crate::{Result, Revision};
 
@@ -235,10 +235,9 @@ impl<'a, 'input> Reader<'a, 'input> {
 
     /// Ignores the sizes of MuJoCo's buffers; `nkey` adds keyframes.
     fn read_size(&mut self, mut element: Element<'_, '_>) -> Result<()> {
-        const MAX_KEYS: usize = 1000;
         if let Some(nkey) = element.integer("nkey")? {
-            if nkey > MAX_KEYS {
-                let reason = format!("more than {MAX_KEYS}");
+            if nkey > MOST_KEYS {
+                let reason = format!("more than {MOST_KEYS}");
                 return Err(element.place().attribute("nkey", reason));
             }
             self.spec.nkey = self.spec.nkey.max(nkey);
@@ -408,7 +407,7 @@ impl<'a, 'input> Reader<'a, 'input> {
         for child in section.children()? {
             match child.name() {
                 "key" => {
-                    fits(&self.spec.keys, "keys", &child)?;
+                    fewer_than(MOST_KEYS, &self.spec.keys, "keys", &child)?;
                     self.spec.keys.push(Key::read(child)?);
                 }
                 _ => return Err(section.unsupported(&child, &["key"])),
@@ -420,8 +419,12 @@ impl<'a, 'input> Reader<'a, 'input> {
 
 /// Refuses another object of a kind after [`MOST`]: look-ups by name would take too long.
 fn fits<T>(objects: &[T], kind: &str, element: &Element<'_, '_>) -> Result<()> {
-    if objects.len() < MOST {
+    fewer_than(MOST, objects, kind, element)
+}
+
+fn fewer_than<T>(most: usize, objects: &[T], kind: &str, element: &Element<'_, '_>) -> Result<()> {
+    if objects.len() < most {
         return Ok(());
     }
-    Err(element.error(format!("more than {MOST} {kind} are not supported")))
+    Err(element.error(format!("more than {most} {kind} are not supported")))
 }

@@ -13,6 +13,7 @@ mod hfields;
 mod kinds;
 mod layout;
 mod lookup;
+mod memory;
 mod meshes;
 mod mix;
 mod pairs;

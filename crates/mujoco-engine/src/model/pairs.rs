@@ -2,6 +2,7 @@
 
 use super::plan::Plan;
 use super::{CompiledModel, Cone, Disable, GeomType, Softness};
+use crate::error::ensure;
 use crate::{Error, Result};
 
 /// Smaller friction is raised to this value: MuJoCo's `mjMINMU`.
@@ -97,8 +98,9 @@ pub(crate) struct Column {
 impl Plan {
     /// All pairs in the order of MuJoCo's `mj_collision`: by bodies, then by the geoms of the pair.
     pub(super) fn find_pairs(&self, m: &CompiledModel) -> Result<Vec<Pair>> {
-        /// The limit over all pairs. A model above this limit would take gigabytes.
+        /// The limits over all pairs. A model above these limits would take gigabytes.
         const MOST_COLUMNS: usize = 4_000_000;
+        const MOST_PAIRS: usize = 1_000_000;
         let mut excluded = m.exclude_signature.clone();
         excluded.sort_unstable();
         let mut stated: Vec<_> = (0..m.pair_dim.len()).collect();
@@ -116,6 +118,10 @@ impl Plan {
                         )));
                     }
                     pairs.extend(pair);
+                    ensure!(
+                        pairs.len() <= MOST_PAIRS,
+                        "more than {MOST_PAIRS} pairs of geoms can touch, which are not supported: exclude some"
+                    );
                     Ok(())
                 };
                 // pairs that the model lists come first, and replace automatic pairs of the same
@@ -147,7 +153,7 @@ impl Plan {
                         }
                     }
                 }
-                pairs[first..].sort_by_key(|pair: &Pair| pair.geom);
+                pairs[first..].sort_unstable_by_key(|pair: &Pair| pair.geom);
             }
         }
         Ok(pairs)
@@ -215,7 +221,7 @@ impl Plan {
         };
         let mut columns = of(c1, c2, b1, -1.0);
         columns.extend(of(c2, c1, b2, 1.0));
-        columns.sort_by_key(|column| column.dof);
+        columns.sort_unstable_by_key(|column| column.dof);
         columns
     }
 }

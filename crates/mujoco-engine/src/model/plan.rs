@@ -7,6 +7,7 @@ use super::actuators::Motor;
 use super::bounds::Tree;
 use super::constraints::ModelConstraints;
 use super::frames::{self, Body, Joint, Mount};
+use super::memory;
 use super::pairs::{Pair, Polygons, Reach, most_contacts};
 use super::paths::Paths;
 use super::{
@@ -143,6 +144,7 @@ pub(crate) struct Limit {
 
 impl Plan {
     pub(super) fn new(m: &CompiledModel) -> Result<Self> {
+        memory::check_inertia(m)?;
         let mut ways: Vec<Vec<usize>> = Vec::new();
         let mut trees: Vec<Range<usize>> = Vec::new();
         for i in 0..m.nv() {
@@ -289,6 +291,7 @@ impl Plan {
         let limits = constraints && !off(Disable::Limit);
         let limited = (0..m.njnt()).filter(|&j| limits && m.jnt_limited[j]);
         plan.limits = limited.map(|j| limit(m, j)).collect();
+        memory::check_rows(m, &plan.bounds(), plan.sparse)?;
         plan.sizes = [
             m.nq(),
             m.nv(),

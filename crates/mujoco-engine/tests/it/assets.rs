@@ -263,12 +263,12 @@ fn files_that_are_no_meshes_are_refused() {
         }
     }
     // many names of one file count as many files
-    let many: String = (0..1001)
+    let many: String = (0..4001)
         .map(|i| format!("<mesh name=\"{i}\" file=\"good.obj\"/>"))
         .collect();
     fs::write(folder.0.join("model.xml"), shows(&many, "1", "")).unwrap();
     let error = folder.model("model.xml").unwrap_err().to_string();
-    assert!(error.contains("more than 1000 meshes"), "{error}");
+    assert!(error.contains("more than 4000 meshes"), "{error}");
 }
 
 /// A mesh in the text is refused like one in a file.

@@ -1,6 +1,6 @@
 //! Limits of models: sizes, depths, copies, and files that are no regular files.
 
-use mujoco_engine::{Error, Model};
+use mujoco_engine::{Data, Error, Model, step};
 
 use super::mjcf::Refused;
 
@@ -18,14 +18,14 @@ fn sizes_and_depths_have_limits() {
         "<geom size=\"1\"/>".repeat(5000)
     );
     let message = Model::from_xml(&many).unwrap_err().to_string();
-    assert!(message.contains("more than 1000"), "{message}");
-    // 167 bodies with a geom and six degrees of freedom each
-    let free = "<body><freejoint/><geom size=\"1\"/></body>".repeat(167);
+    assert!(message.contains("more than 4000"), "{message}");
+    // 667 bodies with a geom and six degrees of freedom each
+    let free = "<body><freejoint/><geom size=\"1\"/></body>".repeat(667);
     let message = Model::from_xml(&format!("<mujoco><worldbody>{free}</worldbody></mujoco>"))
         .unwrap_err()
         .to_string();
     assert!(
-        message.contains("more than 1000 bodies, geoms or degrees of freedom"),
+        message.contains("more than 4000 bodies, geoms or degrees of freedom"),
         "{message}"
     );
     let most = "<mujoco><size nkey=\"1000\"/><worldbody/></mujoco>";
@@ -37,6 +37,40 @@ fn sizes_and_depths_have_limits() {
             .to_string()
             .contains("the limit is")
     );
+}
+
+/// Matrices are counted before they are allocated: joints that follow one another fill the inertia
+/// matrix, and rows of constraints have a number for each degree of freedom.
+#[test]
+fn matrices_have_limits() {
+    let world = |option: &str, bodies: &str| {
+        format!("<mujoco>{option}<worldbody>{bodies}</worldbody></mujoco>")
+    };
+    let joints = "<joint type=\"slide\" range=\"0 1\"/>";
+    let geom = "<geom size=\".1\" contype=\"0\"/>";
+    let body = |joints: &str| format!("<body>{joints}{geom}</body>");
+    let apart = world(
+        "",
+        &"<body><freejoint/><geom size=\".1\" contype=\"0\"/></body>".repeat(180),
+    );
+    let model = Model::from_xml(&apart).unwrap();
+    let mut data = Data::new(&model);
+    step(&model, &mut data);
+    assert_eq!(data.qpos.len(), 180 * 7);
+    assert!((data.qvel[1076] - data.qvel[2]).abs() == 0.0 && data.qvel[2] < 0.0);
+    let behind = world("", &body(&joints.repeat(3900)));
+    let implicit = "<option integrator=\"implicit\"/>";
+    let many = world(implicit, &body(joints).repeat(3990));
+    for (text, reason) in [
+        (
+            behind,
+            "7606950 elements, and would be solved for 3912 forces",
+        ),
+        (many, "3990 degrees of freedom need matrices of"),
+    ] {
+        let error = Model::from_xml(&text).unwrap_err().to_string();
+        assert!(error.contains(reason), "{error}");
+    }
 }
 
 /// Runs `work` on a thread with a small stack. (An overflow aborts the process.)
@@ -91,7 +125,7 @@ fn large_texts_are_read_in_time_or_refused() {
     let bodies = "<body><joint/><geom size=\"0.1\"/></body>\n".repeat(40_000);
     refused(
         format!("<mujoco><worldbody>{bodies}</worldbody></mujoco>"),
-        "more than 1000 bodies",
+        "more than 4000 bodies",
     );
     let attributes: String = (0..500_000).map(|i| format!(" a{i}=\"\"")).collect();
     refused(
@@ -107,7 +141,7 @@ fn large_texts_are_read_in_time_or_refused() {
         .collect();
     refused(
         format!("<mujoco><default>{classes}</default></mujoco>"),
-        "more than 1000 classes",
+        "more than 4000 classes",
     );
     let body = |joints: usize, geoms: usize| {
         format!(
@@ -124,19 +158,23 @@ fn large_texts_are_read_in_time_or_refused() {
     refused(touching, "too many pairs of geoms can touch");
     for (section, element, kinds) in [
         ("contact", "exclude body1=\"a\" body2=\"b\"", "excludes"),
-        ("keyframe", "key", "keys"),
         ("actuator", "motor", "actuators"),
         ("asset", "material name=\"m\"", "materials"),
         ("sensor", "clock", "sensors"),
     ] {
         let elements = format!("<{element}/>").repeat(90_000);
         let text = format!("<mujoco><worldbody/><{section}>{elements}</{section}></mujoco>");
-        refused(text, &format!("more than 1000 {kinds} are not supported"));
+        refused(text, &format!("more than 4000 {kinds} are not supported"));
     }
-    let path = "<joint joint=\"j\" coef=\"1\"/>".repeat(600);
+    let text = format!(
+        "<mujoco><keyframe>{}</keyframe></mujoco>",
+        "<key/>".repeat(1001)
+    );
+    refused(text, "more than 1000 keys are not supported");
+    let path = "<joint joint=\"j\" coef=\"1\"/>".repeat(2400);
     let tendons = format!("<fixed>{path}</fixed>").repeat(2);
     let text = format!("<mujoco><tendon>{tendons}</tendon></mujoco>");
-    refused(text, "more than 1000 parts of tendons are not supported");
+    refused(text, "more than 4000 parts of tendons are not supported");
 }
 
 /// Whatever copies a part of the text would take gigabytes, or minutes, here.

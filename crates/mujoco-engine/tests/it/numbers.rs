@@ -140,12 +140,12 @@ fn what_mjcf_refuses_is_refused_everywhere() {
 #[test]
 fn more_objects_than_the_engine_supports_are_refused_before_it_allocates() {
     refuses(
-        |m| m.exclude_signature = vec![0; 1001],
-        "1001 excludes: more than 1000",
+        |m| m.exclude_signature = vec![0; 4001],
+        "4001 excludes: more than 4000",
     );
     refuses(
         |m| m.dof_bodyid = vec![0; 100_000],
-        "100000 degrees of freedom: more than 1000",
+        "100000 degrees of freedom: more than 4000",
     );
     refuses(
         |m| m.body_mocapid[1] = 2_000_000_000,

@@ -247,8 +247,7 @@ class Writer:
         body, geom = f"b{self.rng.randint(self.bodies)}", self.geoms[self.rng.randint(len(self.geoms))][0]
         frame = self.one_of(*FRAME_SENSORS)
         kinds = [
-            # range finders do not see meshes
-            f'<{self.one_of(*SITE_SENSORS[: 5 if self.meshes else 6])} site="s{self.rng.randint(2)}"{cutoff}/>',
+            f'<{self.one_of(*SITE_SENSORS)} site="s{self.rng.randint(2)}"{cutoff}/>',
             f'<{frame} objtype="geom" objname="{geom}"/>',
             f'<{frame} objtype="body" objname="{body}"/>',
             f'<{self.one_of(*BODY_SENSORS)} body="{body}"{cutoff}/>',

@@ -41,8 +41,7 @@ const TEXT: &str = r#"<mujoco>
 type Case = (&'static str, bool, &'static [(&'static str, u64)]);
 
 /// Options, whether robot and box are welded, and for some versions the digest of 200 steps. From
-/// 4.0 on, Newton's method may factor the second derivatives of cones anew, which the engine does not
-/// repeat.
+/// 4.0 on, Newton's method may factor anew what cones change, which the engine does not repeat.
 const CASES: [Case; 8] = [
     (
         "",

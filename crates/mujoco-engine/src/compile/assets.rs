@@ -6,15 +6,15 @@ use super::body::address;
 use super::geom::is_visual;
 use super::mesh::{Builtin, Format, Mesh, Source};
 use crate::Result;
-use crate::mjcf::files;
 use crate::mjcf::spec::{self, Spec};
+use crate::mjcf::store::Assets;
 use crate::model::{CompiledModel, GeomType, Meshes};
 
 /// How many bytes of files a vertex of a shape without a file counts as.
 const BYTES: u64 = 32;
 
-/// Reads and compiles the meshes. `left`, how many bytes of files may follow, becomes smaller.
-pub(super) fn compile_meshes(spec: &Spec, left: &mut u64) -> Result<Vec<Mesh>> {
+/// Reads and compiles the meshes.
+pub(super) fn compile_meshes(spec: &Spec, assets: &mut Assets<'_>) -> Result<Vec<Mesh>> {
     let colliding = colliding(spec);
     let mut names = HashSet::new();
     let mut meshes = Vec::with_capacity(spec.meshes.len());
@@ -28,7 +28,7 @@ pub(super) fn compile_meshes(spec: &Spec, left: &mut u64) -> Result<Vec<Mesh>> {
             Some(path) => place.attribute("file", format!("{}: {reason}", path.display())),
             None => place.error(reason),
         };
-        let source = source(mesh, spec, left).map_err(&fault)?;
+        let source = source(mesh, spec, assets).map_err(&fault)?;
         let mut options = mesh.options;
         options.collides = colliding.contains(name);
         let compiled = Mesh::compile(source, &options, spec.revision);
@@ -53,7 +53,7 @@ fn colliding(spec: &Spec) -> HashSet<&str> {
 }
 
 /// What the file and the attributes of a mesh give.
-fn source(mesh: &spec::Mesh, spec: &Spec, left: &mut u64) -> Result<Source, String> {
+fn source(mesh: &spec::Mesh, spec: &Spec, assets: &mut Assets<'_>) -> Result<Source, String> {
     let attributes = Source {
         vertices: mesh.vertices.clone(),
         normals: mesh.normals.clone(),
@@ -64,8 +64,7 @@ fn source(mesh: &spec::Mesh, spec: &Spec, left: &mut u64) -> Result<Source, Stri
     if let Some((name, params)) = &mesh.builtin {
         // what it makes stands in the place of the attributes
         let shape = Builtin::of(name, params).map_err(|reason| format!("params {reason}"))?;
-        let bytes = BYTES * shape.vertices();
-        *left = left.checked_sub(bytes).ok_or_else(files::too_large)?;
+        assets.count(BYTES * shape.vertices())?;
         return Ok(Source {
             texture: attributes.texture,
             ..shape.source()
@@ -78,7 +77,7 @@ fn source(mesh: &spec::Mesh, spec: &Spec, left: &mut u64) -> Result<Source, Stri
     let kind = mesh.content_type.as_deref().unwrap_or(&extension);
     let format = Format::named(kind)
         .ok_or_else(|| format!("{kind:?} is no format of meshes: use stl, obj or msh"))?;
-    let bytes = files::bytes(path, left)?;
+    let bytes = assets.read(path)?;
     let mut source =
         Source::read(format, &bytes, spec.revision).map_err(|error| error.to_string())?;
     source

@@ -11,8 +11,8 @@ use super::values::finite;
 use crate::Result;
 use crate::error::ensure;
 use crate::math::spatial::EPS;
-use crate::mjcf::files;
 use crate::mjcf::spec::{Hfield, Spec};
+use crate::mjcf::store::Assets;
 use crate::model::{CompiledModel, GeomType, Hfields};
 
 /// The most bytes of a decoded picture.
@@ -21,8 +21,12 @@ const MOST_PIXELS: usize = 256 << 20;
 /// Rows, columns and elevations, row by row from the least y.
 type Grid = (usize, usize, Vec<f32>);
 
-/// Adds the height fields. `left`, how many bytes of files may follow, becomes smaller.
-pub(super) fn add_hfields(m: &mut CompiledModel, spec: &Spec, left: &mut u64) -> Result<()> {
+/// Adds the height fields.
+pub(super) fn add_hfields(
+    m: &mut CompiledModel,
+    spec: &Spec,
+    assets: &mut Assets<'_>,
+) -> Result<()> {
     let mut names = HashSet::new();
     let all = &mut *m.hfields;
     for field in &spec.hfields {
@@ -34,7 +38,7 @@ pub(super) fn add_hfields(m: &mut CompiledModel, spec: &Spec, left: &mut u64) ->
         let (rows, columns, mut elevations) = match &field.path {
             None => (field.rows, field.columns, field.elevations.clone()),
             Some(path) => {
-                let bytes = files::bytes(path, left);
+                let bytes = assets.read(path);
                 let grid = bytes.and_then(|bytes| read(field, &bytes));
                 grid.map_err(|reason| {
                     place.attribute("file", format!("{}: {reason}", path.display()))

@@ -47,24 +47,23 @@ use self::constants::{mark_simple, with_constants};
 use self::fuse::Kept;
 use self::inertia::MINVAL;
 use crate::math::libm;
-use crate::mjcf::files::MAX_ASSETS;
 use crate::mjcf::orientation::{IDENTITY, turned, within};
 use crate::mjcf::spec::{Body, Compiler, Frame, Spec, Statistic};
+use crate::mjcf::store::Assets;
 use crate::mjcf::xml::Place;
 use crate::model::{CompiledModel, ObjectType};
 use crate::{Model, Result};
 
 /// Computes all fields except those that need the inertia matrix of the initial configuration.
-pub(super) fn compile(spec: &Spec) -> Result<Box<CompiledModel>> {
+pub(super) fn compile(spec: &Spec, mut assets: Assets<'_>) -> Result<Box<CompiledModel>> {
     let mut m = Box::new(CompiledModel {
         model: spec.name.clone(),
         revision: spec.revision,
         opt: spec.option.clone(),
         ..CompiledModel::default()
     });
-    let mut left = MAX_ASSETS;
-    let meshes = assets::compile_meshes(spec, &mut left)?;
-    hfields::add_hfields(&mut m, spec, &mut left)?;
+    let meshes = assets::compile_meshes(spec, &mut assets)?;
+    hfields::add_hfields(&mut m, spec, &mut assets)?;
     let kept = fuse::kept(spec);
     let mut looks = Vec::new();
     for (id, kept) in kept.iter().enumerate() {
@@ -78,7 +77,7 @@ pub(super) fn compile(spec: &Spec) -> Result<Box<CompiledModel>> {
     scale_mass(&mut m, spec.compiler.total_mass);
     check_mass(&m, &kept)?;
     add_looks(&mut m, &looks)?;
-    add_materials(&mut m, spec, &mut left)?;
+    add_materials(&mut m, spec, &mut assets)?;
     contact::add_excludes(&mut m, spec)?;
     contact::add_pairs(&mut m, spec)?;
     tendon::add_tendons(&mut m, spec)?;
@@ -206,13 +205,13 @@ fn add_looks(m: &mut CompiledModel, bodies: &[(usize, &Body, Option<Frame>)]) ->
     Ok(())
 }
 
-fn add_materials(m: &mut CompiledModel, spec: &Spec, left: &mut u64) -> Result<()> {
+fn add_materials(m: &mut CompiledModel, spec: &Spec, assets: &mut Assets<'_>) -> Result<()> {
     let colors = spec.materials.iter().map(|material| material.rgba);
     if spec.compiler.discard_visual {
         return Ok(());
     }
     m.mat_rgba = colors.map(geom::single).collect();
-    textures::add_textures(m, spec, left)
+    textures::add_textures(m, spec, assets)
 }
 
 /// Refuses two objects of a kind under one name.

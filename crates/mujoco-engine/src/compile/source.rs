@@ -1,7 +1,9 @@
 //! Models from texts and files in MJCF.
 
+use std::collections::BTreeMap;
 use std::path::Path;
 
+use crate::mjcf::store::Store;
 use crate::mjcf::{files, reader};
 use crate::{Error, Model, Result, Revision};
 
@@ -67,8 +69,37 @@ impl Model {
     /// # Errors
     /// The errors of `from_path`.
     pub fn from_path_with(path: impl AsRef<Path>, revision: Revision) -> Result<Self> {
-        let path = path.as_ref();
-        let texts = files::Texts::of_file(path);
+        Self::from_store(path.as_ref(), Store::Disk, revision)
+    }
+
+    /// Compiles a model from files in memory, where there is no file system: `main` is the path of
+    /// the model, and `files` are the bytes of all files by their paths, such as
+    /// `robot/meshes/arm.stl`. Files are found as by [`from_path`](Self::from_path).
+    ///
+    /// ```
+    /// use mujoco_engine::{Model, Revision};
+    ///
+    /// let scene = r#"<mujoco><include file="parts/arm.xml"/></mujoco>"#;
+    /// let arm = r#"<mujoco><worldbody><body><freejoint/><geom size="0.1"/></body></worldbody></mujoco>"#;
+    /// let files = [("robot/scene.xml", scene), ("robot/parts/arm.xml", arm)];
+    /// let files = files.map(|(path, text)| (path.to_owned(), text.as_bytes().to_vec())).into();
+    /// let model = Model::from_files(&files, "robot/scene.xml", Revision::default())?;
+    /// assert_eq!(model.nbody(), 2);
+    /// # Ok::<(), mujoco_engine::Error>(())
+    /// ```
+    ///
+    /// # Errors
+    /// The errors of `from_path`.
+    pub fn from_files(
+        files: &BTreeMap<String, Vec<u8>>,
+        main: &str,
+        revision: Revision,
+    ) -> Result<Self> {
+        Self::from_store(Path::new(main), Store::Memory(files), revision)
+    }
+
+    fn from_store(path: &Path, store: Store<'_>, revision: Revision) -> Result<Self> {
+        let texts = files::Texts::of_file(path, store);
         let model = texts.and_then(|texts| Self::from_texts(&texts, revision));
         model.map_err(|error| match error {
             Error::File { .. } => error,
@@ -79,9 +110,9 @@ impl Model {
         })
     }
 
-    fn from_texts(texts: &files::Texts, revision: Revision) -> Result<Self> {
+    fn from_texts(texts: &files::Texts<'_>, revision: Revision) -> Result<Self> {
         let spec = reader::read(&texts.parse()?, revision)?;
-        let compiled = super::compile(&spec)?;
+        let compiled = super::compile(&spec, texts.store().assets())?;
         super::finish(compiled, &spec).map_err(|error| spec.located(error))
     }
 }

@@ -9,8 +9,8 @@ use png::{ColorType, Decoder, Limits, Transformations};
 use crate::Result;
 use crate::error::ensure;
 use crate::math::libm;
-use crate::mjcf::files;
 use crate::mjcf::spec::{Mark, Pattern, Pixels, Spec, Texture};
+use crate::mjcf::store::Assets;
 use crate::model::{CompiledModel, TextureType};
 
 /// The largest number of bytes of all textures together.
@@ -18,9 +18,12 @@ const MOST: usize = 512 << 20;
 /// The largest number of pixels of a pattern.
 const MOST_OF_PATTERN: usize = 16 << 20;
 
-/// Adds the textures that materials have, and the materials. `files`, how many bytes of files may
-/// follow, becomes smaller.
-pub(super) fn add_textures(m: &mut CompiledModel, spec: &Spec, files: &mut u64) -> Result<()> {
+/// Adds the textures that materials have, and the materials.
+pub(super) fn add_textures(
+    m: &mut CompiledModel,
+    spec: &Spec,
+    assets: &mut Assets<'_>,
+) -> Result<()> {
     let mut names = HashSet::new();
     for Texture { name, place, .. } in &spec.textures {
         if !name.is_empty() && !names.insert(name) {
@@ -46,7 +49,10 @@ pub(super) fn add_textures(m: &mut CompiledModel, spec: &Spec, files: &mut u64) 
         m.mat_specular.push(material.specular);
         m.mat_shininess.push(material.shininess);
     }
-    let mut maker = Maker { files, bytes: MOST };
+    let mut maker = Maker {
+        assets,
+        bytes: MOST,
+    };
     let used: HashSet<i32> = m.mat_texid.iter().copied().collect();
     let all = &mut *m.textures;
     for (id, texture) in spec.textures.iter().enumerate() {
@@ -131,13 +137,13 @@ struct Image {
 type Fault = (&'static str, String);
 
 /// Makes images of limited size.
-struct Maker<'a> {
-    /// How many bytes of files and of pixels may follow.
-    files: &'a mut u64,
+struct Maker<'a, 'files> {
+    assets: &'a mut Assets<'files>,
+    /// How many bytes of pixels may follow.
     bytes: usize,
 }
 
-impl Maker<'_> {
+impl Maker<'_, '_> {
     fn make(&mut self, texture: &Texture) -> Result<Image, Fault> {
         let cube = texture.kind != TextureType::Flat;
         match &texture.pixels {
@@ -208,7 +214,7 @@ impl Maker<'_> {
     /// The image of a PNG file, with the texture's number of channels.
     fn file(&mut self, texture: &Texture, path: &Path) -> Result<Image, String> {
         let fault = |reason: String| format!("{}: {reason}", path.display());
-        let bytes = files::bytes(path, self.files).map_err(fault)?;
+        let bytes = self.assets.read(path).map_err(fault)?;
         let not_png = |error: png::DecodingError| fault(format!("this is no PNG file: {error}"));
         let limits = Limits { bytes: MOST };
         let mut decoder = Decoder::new_with_limits(std::io::Cursor::new(bytes), limits);

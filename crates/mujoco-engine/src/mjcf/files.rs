@@ -2,21 +2,18 @@
 
 use std::cell::Cell;
 use std::collections::BTreeMap;
-use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 use std::rc::Rc;
 
-use gym_numerics::file;
 use roxmltree::{Document, Node, ParsingOptions};
 
+use super::store::Store;
 use super::tidy::tidy;
 use super::xml::{Lines, MAX_VISITS, Place};
 use crate::{Error, Result};
 
 /// The largest size in bytes of a file, and of all files of a model together.
 const MAX_LEN: usize = 8 << 20;
-/// The largest size in bytes of all files of a model that are no texts, each as often as it is named.
-pub(crate) const MAX_ASSETS: u64 = 256 << 20;
 /// The largest number of nodes (elements, texts and comments).
 const MAX_NODES: u32 = 200_000;
 /// The largest number of attributes of an element, and of namespaces: the parser compares each with
@@ -44,12 +41,9 @@ struct Text {
 
 impl Text {
     /// Whether it is that of the file.
-    fn is(&self, path: &Path) -> bool {
-        let Some(own) = &self.path else { return false };
-        match (own.canonicalize(), path.canonicalize()) {
-            (Ok(own), Ok(path)) => own == path,
-            _ => own == path,
-        }
+    fn is(&self, path: &Path, store: Store<'_>) -> bool {
+        let own = self.path.as_deref();
+        own.is_some_and(|own| store.same(own, path))
     }
 }
 
@@ -65,7 +59,8 @@ struct Root {
 /// The texts of a model, its included files, and the models that it attaches, before they are
 /// parsed.
 #[derive(Debug, Default)]
-pub(crate) struct Texts {
+pub(crate) struct Texts<'a> {
+    store: Store<'a>,
     texts: Vec<Text>,
     models: Vec<Root>,
     /// The text that each element `include` or `model` names, by the number of its own text and its
@@ -73,21 +68,27 @@ pub(crate) struct Texts {
     named: BTreeMap<(usize, usize), usize>,
 }
 
-impl Texts {
+impl<'a> Texts<'a> {
     /// The text of a model without files: an `include` is an error.
     pub(crate) fn of(text: &str) -> Result<Self> {
-        Self::load(text, None)
+        Self::load(text, None, Store::Disk)
     }
 
     /// A file and all that it includes.
-    pub(crate) fn of_file(path: &Path) -> Result<Self> {
-        Self::load(&read(path)?, Some(path))
+    pub(crate) fn of_file(path: &Path, store: Store<'a>) -> Result<Self> {
+        Self::load(&read(path, store)?, Some(path), store)
+    }
+
+    /// Where the files are that they name.
+    pub(crate) fn store(&self) -> Store<'a> {
+        self.store
     }
 
     /// Reads the files that the texts name: included ones each once, so that files that include each
     /// other are an error, and models that are not within themselves.
-    fn load(text: &str, path: Option<&Path>) -> Result<Self> {
+    fn load(text: &str, path: Option<&Path>, store: Store<'a>) -> Result<Self> {
         let mut all = Self {
+            store,
             texts: vec![Text {
                 name: Rc::default(),
                 text: tidy(text).into_owned(),
@@ -123,12 +124,12 @@ impl Texts {
                 } else if all
                     .texts
                     .iter()
-                    .any(|text| text.model == owner && text.is(&path))
+                    .any(|text| text.model == owner && text.is(&path, store))
                 {
                     let reason = format!("{} is included already", path.display());
                     return Err(place.attribute("file", reason));
                 }
-                let text = tidy(&read(&path)?).into_owned();
+                let text = tidy(&read(&path, store)?).into_owned();
                 let length: usize = all.texts.iter().map(|text| text.text.len()).sum();
                 if number == MAX_FILES || length + text.len() > MAX_LEN {
                     let reason =
@@ -155,7 +156,7 @@ impl Texts {
             return Err(NO_FOLDER.to_owned());
         };
         let candidates = [folder.join(file), folder_of(path).join(file)];
-        let found = candidates.iter().find(|path| path.is_file());
+        let found = candidates.iter().find(|path| self.store.has_file(path));
         found
             .cloned()
             .ok_or_else(|| format!("there is no file {}", candidates[0].display()))
@@ -167,7 +168,7 @@ impl Texts {
             // the first text of a model is that of its own file
             let mut texts = self.texts.iter();
             let own = texts.find(|text| text.model == around);
-            if own.is_some_and(|text| text.is(path)) {
+            if own.is_some_and(|text| text.is(path, self.store)) {
                 return Err(format!("{} would be a part of itself", path.display()));
             }
             let Root { parent, .. } = self.models[around];
@@ -251,27 +252,11 @@ fn folder_of(path: &Path) -> PathBuf {
     path.parent().unwrap_or(Path::new("")).to_owned()
 }
 
-fn read(path: &Path) -> Result<String> {
-    file::read_text(path, MAX_LEN).map_err(|error| Error::File {
+fn read(path: &Path, store: Store<'_>) -> Result<String> {
+    store.read_text(path, MAX_LEN).map_err(|error| Error::File {
         path: path.display().to_string(),
         reason: error.to_string(),
     })
-}
-
-/// The bytes of a regular file. `left`, how many more may be read, becomes smaller.
-pub(crate) fn bytes(path: &Path, left: &mut u64) -> Result<Vec<u8>, String> {
-    let most = usize::try_from(*left).unwrap_or(usize::MAX);
-    let bytes = file::read(path, most).map_err(|error| match error.kind() {
-        ErrorKind::FileTooLarge => too_large(),
-        _ => error.to_string(),
-    })?;
-    *left -= bytes.len() as u64;
-    Ok(bytes)
-}
-
-/// Why no more files of assets are read.
-pub(crate) fn too_large() -> String {
-    format!("the files of all assets together have more than {MAX_ASSETS} bytes: simplify them")
 }
 
 /// The elements of a text.
@@ -319,7 +304,7 @@ fn check_tags(text: &str) -> std::result::Result<(), (u32, String)> {
 /// Parsed texts.
 pub(crate) struct Files<'input> {
     files: Vec<(&'input Rc<str>, Document<'input>, Lines)>,
-    texts: &'input Texts,
+    texts: &'input Texts<'input>,
     /// The number of visits of nodes.
     visits: Cell<usize>,
 }
@@ -349,7 +334,7 @@ impl<'input> Files<'input> {
         };
         let own = folder_of(path);
         let candidates = [beside.join(folder).join(file), own.join(file)];
-        let exists = candidates.iter().find(|path| path.exists());
+        let exists = candidates.iter().find(|path| self.texts.store.exists(path));
         exists
             .cloned()
             .ok_or_else(|| format!("there is no file {}", candidates[0].display()))

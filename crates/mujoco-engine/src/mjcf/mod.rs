@@ -15,6 +15,7 @@ pub(crate) mod orientation;
 pub(crate) mod reader;
 mod refers;
 pub(crate) mod spec;
+pub(crate) mod store;
 mod tidy;
 pub(crate) mod xml;
 

@@ -11,6 +11,7 @@ mod frames;
 mod hfields;
 mod language;
 mod limits;
+mod memory;
 mod meshes;
 mod mjcf;
 mod numbers;

@@ -30,6 +30,7 @@ Options:
       --test          Tests the page in a Chromium without display, and the one file of --single
       --traces FOLDER Replays the recorded traces in that folder too, for --test
       --small         Classic control and toy text alone: quick to build, for work on the page
+      --robot         The page of the reader's own robots alone, also as one file, robot.html; by default to target/web-robot
       --plugin PATH   A gallery of the environments of the crate in that folder, which links them and gym-web
   -h, --help          Print help";
 
@@ -43,6 +44,7 @@ struct Options {
     test: bool,
     traces: Option<PathBuf>,
     plugin: Option<PathBuf>,
+    robot: bool,
     help: bool,
 }
 
@@ -60,6 +62,7 @@ impl Options {
                 Some("--single") => options.single = true,
                 Some("--serve") => options.serve = true,
                 Some("--small") => options.small = true,
+                Some("--robot") => options.robot = true,
                 Some("--test") => options.test = true,
                 Some("--traces") => options.traces = Some(value()?.into()),
                 Some("-h" | "--help") => options.help = true,
@@ -92,9 +95,15 @@ pub(crate) fn web(arguments: &[OsString]) -> Result<(), String> {
         return say(format_args!("{USAGE}"));
     }
     check_target()?;
-    let module = build(options.plugin.as_deref(), options.small)?;
-    let out = options.out.unwrap_or_else(|| target_dir().join("web"));
-    let page = Page::read(&module, options.plugin.is_none())?;
+    let only = match (options.small, options.robot) {
+        (_, true) => Some("robot"),
+        (true, false) => Some("small"),
+        _ => None,
+    };
+    let module = build(options.plugin.as_deref(), only)?;
+    let folder = if options.robot { "web-robot" } else { "web" };
+    let out = options.out.unwrap_or_else(|| target_dir().join(folder));
+    let page = Page::read(&module, options.plugin.is_none() && !options.robot)?;
     page.write(&out)?;
     say(format_args!(
         "{}: {} files, {} kB",
@@ -102,13 +111,18 @@ pub(crate) fn web(arguments: &[OsString]) -> Result<(), String> {
         page.files.len(),
         page.size() / 1000
     ))?;
-    let single = if options.single {
+    let single = if options.single || options.robot {
         Some(page.in_one_file()?)
     } else {
         None
     };
     if let Some(text) = &single {
-        let path = out.join("gallery.html");
+        let name = if options.robot {
+            "robot.html"
+        } else {
+            "gallery.html"
+        };
+        let path = out.join(name);
         files::write(&path, text.as_bytes())?;
         say(format_args!("{}: {} kB", path.display(), text.len() / 1000))?;
     }
@@ -147,8 +161,8 @@ fn check_target() -> Result<(), String> {
     ))
 }
 
-/// Builds the WebAssembly module, and returns its path.
-fn build(plugin: Option<&Path>, small: bool) -> Result<PathBuf, String> {
+/// Builds the WebAssembly module, of this workspace with `only` a feature, and returns its path.
+fn build(plugin: Option<&Path>, only: Option<&str>) -> Result<PathBuf, String> {
     let mut cargo = Command::new(cargo());
     cargo
         .arg("--config")
@@ -171,8 +185,8 @@ fn build(plugin: Option<&Path>, small: bool) -> Result<PathBuf, String> {
             cargo
                 .args(["--package", "gym-web", "--manifest-path"])
                 .arg(root().join("Cargo.toml"));
-            if small {
-                cargo.args(["--no-default-features", "--features", "small"]);
+            if let Some(feature) = only {
+                cargo.args(["--no-default-features", "--features", feature]);
             }
             "gym_web.wasm".to_owned()
         }
@@ -399,7 +413,14 @@ mod tests {
         let page = Page::read(&module, true).unwrap();
         fs::remove_file(&module).unwrap();
         let text = page.in_one_file().unwrap();
-        for script in ["app.js", "engine.js", "worker.js", "gallery.js", "play.js"] {
+        for script in [
+            "app.js",
+            "engine.js",
+            "worker.js",
+            "gallery.js",
+            "play.js",
+            "robot.js",
+        ] {
             assert!(text.contains(&format!("\"{script}\":")), "{script}");
         }
         assert!(!text.contains("src=\"app.js\"") && !text.contains("href=\"style.css\""));

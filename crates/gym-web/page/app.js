@@ -1,17 +1,21 @@
 // Starts the page and shows the part that the address names:
 //   #/                    the gallery        #/CartPole-v1?seed=7&policy=good   an environment
-//   #/learn/FrozenLake-v1 a lesson
+//   #/learn/FrozenLake-v1 a lesson   #/robot                            the reader's own robot
 import { parse } from "./address.js";
 import { h, icon } from "./dom.js";
 import { Engine } from "./engine.js";
 import { gallery } from "./gallery.js";
 import { play } from "./play.js";
 import { lessons } from "./lessons.js";
+import { robot } from "./robot.js";
 
 const main = document.getElementById("main");
-const engine = new Engine();
+// a page with a model in it shows that model alone
+const isAlone = globalThis.GYM_ROBOT !== undefined;
+const engine = isAlone ? null : new Engine();
 let leave = () => {};
 let environments = [];
+let hasRobots = isAlone;
 
 function fail(error) {
   console.error(error);
@@ -29,12 +33,14 @@ async function show() {
   leave = () => {};
   try {
     const { path, parameters } = parse(location.hash);
-    const part = /^learn(\/|$)/.test(path) ? "learn" : "gallery";
+    const part = isAlone || path === "robot" ? "robot" : /^learn(\/|$)/.test(path) ? "learn" : "gallery";
     for (const link of document.querySelectorAll("[data-part]")) {
       if (link.dataset.part === part) link.setAttribute("aria-current", "page");
       else link.removeAttribute("aria-current");
     }
-    if (path === "") [document.title, leave] = ["Gymnasium's environments, live", gallery(main, engine, environments)];
+    if (part === "robot" && !hasRobots) throw new Error("This gallery was built without MuJoCo's physics, and shows no robots.");
+    if (part === "robot") [document.title, leave] = ["Your robot, live", robot(main)];
+    else if (path === "") [document.title, leave] = ["Gymnasium's environments, live", gallery(main, engine, environments, hasRobots)];
     else if (part === "learn") [document.title, leave] = ["Learn: reinforcement learning, live", await lessons(main, path.slice("learn/".length), environments)];
     else [document.title, leave] = [`${path}, live`, await play(main, engine, environments, path, parameters, refresh)];
   } catch (error) {
@@ -61,7 +67,13 @@ function themes() {
 
 themes();
 try {
-  environments = await engine.request({ do: "list" });
+  document.documentElement.classList.toggle("alone", isAlone);
+  if (!isAlone) {
+    environments = await engine.request({ do: "list" });
+    // a gallery may be without MuJoCo
+    hasRobots = await engine.request({ do: "robot", ask: { do: "forget" } }).then(() => true, () => false);
+    document.querySelector("[data-part=robot]").hidden = !hasRobots;
+  }
   const route = () => show().then(() => scrollTo(0, 0));
   addEventListener("hashchange", route);
   route();

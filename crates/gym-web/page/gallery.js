@@ -39,7 +39,7 @@ export function choice(card, chosen, choose) {
 
 export const link = (id) => `#/${id.split("/").map(encodeURIComponent).join("/")}`;
 
-export function gallery(main, engine, environments) {
+export function gallery(main, engine, environments, hasRobots) {
   const tiles = new Map();
   const playing = new IntersectionObserver((entries) => {
     for (const { target, isIntersecting } of entries) tiles.get(target)?.(isIntersecting);
@@ -130,7 +130,7 @@ export function gallery(main, engine, environments) {
       h("div", {},
         h("h1", {}, "Gymnasium's environments, live"),
         h("p", {}, h("a", { href: "https://gymnasium.farama.org" }, "Gymnasium"), " is the usual interface between agents that learn and the tasks that they learn: an agent sees an observation, chooses an action and gets a reward. These are its tasks, written in Rust and compiled for the browser."),
-        h("p", {}, "Watch a good policy, take over yourself, see what the agent sees, and ", h("a", { href: "#/learn" }, "train an agent"), ". Nothing to install.")),
+        h("p", {}, "Watch a good policy, take over yourself, see what the agent sees, and ", h("a", { href: "#/learn" }, "train an agent"), ". ", hasRobots && ["Drop ", h("a", { href: "#/robot" }, "your own robot"), " here and drive it. "], "Nothing to install.")),
       search),
     ...sections.map(({ element }) => element),
     none);

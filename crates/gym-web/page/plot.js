@@ -14,8 +14,9 @@ export function ticks(low, high, count) {
 
 const label = (tick) => String(Number(tick.toPrecision(6))).replace("-", "−");
 
-// Draws series of the form `{values, colour, dots, width, start}` with common axes.
-export function plot(canvas, series, { from = 1, line = null } = {}) {
+// Draws series of the form `{values, colour, dots, width, start}` with common axes. The labels below count values from
+// `from`, times `step`.
+export function plot(canvas, series, { from = 1, line = null, step = 1, unit = "" } = {}) {
   const ratio = devicePixelRatio || 1;
   const width = canvas.clientWidth;
   const height = canvas.clientHeight;
@@ -58,7 +59,7 @@ export function plot(canvas, series, { from = 1, line = null } = {}) {
   pen.textAlign = "center";
   pen.textBaseline = "bottom";
   const whole = ticks(from, from + length - 1, Math.max(2, width / 90)).filter(Number.isInteger);
-  for (const tick of whole) pen.fillText(label(tick), Math.min(Math.max(x(tick - from), left + 4), right - 8), height - 2);
+  for (const tick of whole) pen.fillText(label(tick * step) + unit, Math.min(Math.max(x(tick - from), left + 4), right - 8), height - 2);
   if (line !== null) {
     pen.strokeStyle = colour(canvas, "--good");
     pen.setLineDash([4, 4]);

@@ -152,6 +152,9 @@ function show(loop, now = performance.now()) {
   postMessage(message, transfer);
 }
 
+// The time of a timestep of the reader's robot, in milliseconds, as last measured.
+let perStep = 1;
+
 const handlers = {
   // Opens an environment, resets it and shows it. The environment plays unless it is paused.
   open({ env, id, kwargs, fit = null, seed, ...options }) {
@@ -214,6 +217,15 @@ const handlers = {
     show(loop);
     return null;
   },
+  // Advances the reader's robot by `seconds`, or as far as it comes in about `budget` milliseconds, and draws it.
+  robot({ seconds, budget, size, fine }) {
+    const start = performance.now();
+    const taken = call({ do: "robot", ask: { do: "advance", seconds, most: Math.max(1, Math.floor(budget / perStep)) } });
+    const stepped = performance.now();
+    if (taken > 0) perStep += 0.2 * ((stepped - start) / taken - perStep);
+    const { answer, attachment } = gym.call({ do: "robot", ask: { do: "frame", size, fine } });
+    return { answer: { ...answer, taken, drawing: performance.now() - stepped }, attachment };
+  },
   turn({ env, by }) {
     const loop = loops.get(env);
     call({ do: "turn", env, by });
@@ -237,11 +249,9 @@ onmessage = ({ data }) => {
   }
   const { id, handler, request, bytes } = data;
   try {
-    if (handler) postMessage({ id, answer: handlers[handler](request) });
-    else {
-      const { answer, attachment } = gym.call(request, bytes);
-      postMessage({ id, answer, attachment }, attachment ? [attachment.buffer] : []);
-    }
+    const result = handler ? handlers[handler](request) : gym.call(request, bytes);
+    const { answer, attachment } = result?.attachment === undefined ? { answer: result, attachment: null } : result;
+    postMessage({ id, answer, attachment }, attachment ? [attachment.buffer] : []);
   } catch (error) {
     postMessage({ id, error: error.message, trap: error.cause === "trap" });
   }

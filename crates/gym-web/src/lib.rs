@@ -18,6 +18,8 @@ mod episode;
 mod learn;
 mod linear;
 mod player;
+#[cfg(feature = "robot")]
+mod robot;
 mod session;
 mod tabular;
 

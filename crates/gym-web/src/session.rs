@@ -10,12 +10,16 @@ use serde_json::{Value as Json, json};
 use crate::describe;
 use crate::learn::{Learner, Lesson};
 use crate::player::{By, Player};
+#[cfg(feature = "robot")]
+use crate::robot::{self, Robot};
 
 /// The open environments and learners, each under a number that the page chooses.
 #[derive(Default)]
 pub struct Session {
     players: BTreeMap<u32, Player>,
     learners: BTreeMap<u32, Learner>,
+    #[cfg(feature = "robot")]
+    robot: Robot,
 }
 
 /// A request. `env` is the number of an open environment, `learner` the number of an open learner.
@@ -84,6 +88,9 @@ enum Request {
     },
     /// Attaches the learned numbers as `f64`.
     Learned { learner: u32 },
+    /// Asks about the reader's own robot.
+    #[cfg(feature = "robot")]
+    Robot { ask: robot::Request },
 }
 
 /// The source of actions.
@@ -253,6 +260,8 @@ impl Session {
                 );
                 learner.describe()
             }
+            #[cfg(feature = "robot")]
+            Request::Robot { ask } => self.robot.answer(ask, bytes, attachment)?,
         })
     }
 }

@@ -1,8 +1,10 @@
 // Tests of the page in a real browser: `cargo xtask web --test` opens this page and prints the posted results.
+import { number } from "/dom.js";
 import { Engine, docs } from "/engine.js";
 import { hint } from "/hands.js";
 import { LESSONS, firstValues } from "/lessons.js";
 import { pack, unpack } from "/share.js";
+import { robotTests } from "/test/robot.js";
 
 const post = (result) => fetch("/result", { method: "POST", body: JSON.stringify(result) });
 const sleep = (ms) => new Promise((done) => setTimeout(done, ms));
@@ -252,6 +254,17 @@ await testOf("MountainCar-v0", "a link brings back an episode", async () => {
   check(Math.abs(seen[0] - state.observation[0]) < 1e-3, `position ${seen[0]} for ${state.observation[0]}`);
 });
 
+await testOf("Hopper-v5", "a link brings back an episode of a robot, to the last digit shown", async () => {
+  const env = await make("Hopper-v5", "4");
+  const state = await env.step("random", 12);
+  const packed = await pack(await env.ask("actions"));
+  await open(`#/Hopper-v5?seed=4&policy=random&speed=16&actions=${packed}`, ".return");
+  await until(() => Number.parseInt(text(".facts dd")) === state.steps && /recorded ends here/.test(text(".message")), "the end of what was recorded");
+  const seen = [...frame.contentDocument.querySelectorAll(".bar-value")].map((value) => value.textContent);
+  check(seen.length === 11 && seen.every((value, i) => value === number(state.observation[i])), `${seen} for ${state.observation}`);
+  check(text(".return") === number(state.return), `${text(".return")} for ${state.return}`);
+});
+
 await testOf("MountainCar-v0", "arguments that are refused are told in words", async () => {
   const input = find("#argument-goal_velocity");
   input.value = "";
@@ -480,6 +493,25 @@ await test("the start page says what Gymnasium is, and leads to the book", async
   check(/Gymnasium is .* interface between agents .* and the tasks/.test(text(".hero")), text(".hero"));
   check(/written in Rust/.test(text(".hero")) && find(".hero a[href*='docs/README.md']"), "there is no link to the book");
 });
+
+if (await engine.request({ do: "robot", ask: { do: "forget" } }).then(() => true, () => false)) {
+  // The frames that the module draws in a second of a model, between the timesteps that fall into them.
+  const rate = async (model) => {
+    const ask = (request, bytes) => engine.request({ do: "robot", ask: request }, bytes);
+    await ask({ do: "file", path: "model.xml" }, new TextEncoder().encode(model));
+    await ask({ do: "open", main: "model.xml" });
+    const start = performance.now();
+    let [frames, before] = [0, start];
+    while (performance.now() - start < 4000) {
+      const now = performance.now();
+      await engine.handle("robot", { seconds: (now - before) / 1000, budget: 24, size: [640, 480], fine: false });
+      before = now;
+      frames += 1;
+    }
+    return frames / ((performance.now() - start) / 1000);
+  };
+  await robotTests({ test, open, find, text, until, button, check, colours, shown, sleep, frame, complaints, rate });
+}
 
 await test("the page complained about nothing", async () => check(complaints.length === 0, complaints.join("; ")));
 

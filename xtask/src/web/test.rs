@@ -35,7 +35,10 @@ const wait = setInterval(() => {
 /// posts each result, and `{"done": ...}` at the end.
 pub(super) fn test(page: &Path, single: Option<&str>, traces: Option<&Path>) -> Result<(), String> {
     let (posts, results) = mpsc::channel();
-    let mut folders = vec![("test", root().join("crates/gym-web/tests"))];
+    let mut folders = vec![
+        ("test", root().join("crates/gym-web/tests")),
+        ("models", root().join("crates/gym-mujoco/models")),
+    ];
     folders.extend(traces.map(|folder| ("traces", folder.to_owned())));
     let site = Site {
         page: page.to_owned(),

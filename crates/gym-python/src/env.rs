@@ -16,7 +16,7 @@ use gym::{
 use numpy::{PyArray1, PyArrayMethods};
 use pyo3::prelude::*;
 use pyo3::sync::MutexExt;
-use pyo3::types::{PyDict, PyTuple};
+use pyo3::types::{PyBytes, PyDict, PyTuple};
 use serde::de::DeserializeOwned;
 use serde_json::{Value as Json, json};
 
@@ -26,7 +26,7 @@ use crate::error::{OrRaise, guard};
 use crate::fork::{IN_USE, Origin};
 use crate::json::{from_json, reset_of};
 use crate::numbers::Numbers;
-use crate::{goals, mujoco, peek, registry};
+use crate::{goals, mujoco, peek, registry, robot};
 use core::Core;
 
 /// An environment without wrappers. Calls of several threads run one after the other.
@@ -436,6 +436,11 @@ impl Env {
     /// The parts of a MuJoCo task's model.
     fn mujoco_model<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyDict>>> {
         mujoco::model(py, &self.lock(py)?.env)
+    }
+
+    /// The compiled model of a MuJoCo task as JSON, with the state as a keyframe.
+    fn compiled_model<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyBytes>>> {
+        robot::of_env(py, &self.lock(py)?.env)
     }
 
     /// Sets positions and velocities of a MuJoCo task.

@@ -25,6 +25,7 @@ mod mujoco;
 mod numbers;
 mod peek;
 mod registry;
+mod robot;
 mod vector;
 
 /// The extension module.
@@ -50,6 +51,8 @@ mod _native {
     use crate::mujoco::mujoco_models;
     #[pymodule_export]
     use crate::registry::{describe, generate_random_map, specs};
+    #[pymodule_export]
+    use crate::robot::compiled_model;
     #[pymodule_export]
     use crate::vector::Vector;
 }

@@ -17,7 +17,7 @@ Three ways to use it:
    ``gymnasium.make`` uses them.
 
 ``rustgym.Env`` and ``rustgym.VectorEnv`` are the classes, ``rustgym.ids()`` lists what there is, ``rustgym.sb3.VecEnv`` gives
-vectors to Stable-Baselines3.
+vectors to Stable-Baselines3, ``rustgym.view`` shows a robot in a notebook.
 """
 
 from __future__ import annotations
@@ -54,6 +54,7 @@ from rustgym._native import PanicError
 from rustgym.env import Env
 from rustgym.registration import ids, make, make_vec, pprint_registry, register, registry, spec
 from rustgym.vector_env import VectorEnv
+from rustgym._view import view
 
 __version__ = _native.__version__
 
@@ -82,6 +83,7 @@ __all__ = [
     "spec",
     "utils",
     "vector",
+    "view",
     "wrappers",
 ]
 

@@ -94,6 +94,19 @@ pub(crate) fn others(value: &Json) -> Vec<Json> {
     }
 }
 
+/// Returns other values of an argument of any type, as far as they can be guessed.
+pub(crate) fn guesses(value: &Json) -> Vec<Json> {
+    match value {
+        Json::Null => vec![json!(1), json!(0.5)],
+        Json::Array(items) => {
+            let doubled = items.iter().map(|item| others(item).into_iter().next());
+            let doubled: Option<Vec<_>> = doubled.collect();
+            doubled.map(Json::Array).into_iter().collect()
+        }
+        other => others(other),
+    }
+}
+
 /// An environment with one unusual argument. The environment may refuse it.
 pub(crate) struct Odd {
     pub(crate) spec: EnvSpec,

@@ -377,7 +377,7 @@ fn of_other_arguments(subject: &Subject<'_>) -> Verdict {
     let seed = SEEDS[0];
     let mut own = subject.midway(seed)?;
     for (name, value) in &kwargs {
-        for other in arguments::others(value) {
+        for other in arguments::guesses(value) {
             let mut with = spec.clone();
             with.kwargs.insert(name.clone(), other.clone());
             let midway = || -> Result<BoxEnv> {

@@ -21,7 +21,7 @@ pub(crate) fn corners(space: &Space) -> Vec<Value> {
                 false => Vec::new(),
             };
             // the middle, and zeros
-            let mut within: Vec<_> = middle(numbers).into_iter().collect();
+            let mut within: Vec<_> = between(numbers, 0.5).into_iter().collect();
             within.extend(uniform(space, 0.0));
             within.retain(|action| space.contains(action) && !corners.contains(action));
             within.dedup();
@@ -104,16 +104,40 @@ fn corner(space: &BoxSpace, which: usize) -> Option<Value> {
         .map(Value::Array)
 }
 
-/// Returns the middle of a bounded box.
-fn middle(space: &BoxSpace) -> Option<Value> {
+/// Returns a place between the low and the high corner of a bounded box, from 0 to 1.
+fn between(space: &BoxSpace, place: f64) -> Option<Value> {
     if !space.is_bounded() {
         return None;
     }
     let bounds = space.low().iter_f64().zip(space.high().iter_f64());
-    let middle = bounds.map(|(low, high)| 0.5 * low + 0.5 * high);
-    Array::new(space.shape(), Data::from_f64(space.dtype(), middle))
+    let numbers = bounds.map(|(low, high)| (1.0 - place) * low + place * high);
+    Array::new(space.shape(), Data::from_f64(space.dtype(), numbers))
         .ok()
         .map(Value::Array)
+}
+
+/// Returns elements that are no [`corners`]: each element of a discrete space, and places within the
+/// other spaces of numbers.
+pub(crate) fn inner(space: &Space) -> Vec<Value> {
+    const MOST: i64 = 2000;
+    match space {
+        Space::Discrete(space) if space.n() <= MOST => {
+            (space.start()..=space.last()).map(Value::Int).collect()
+        }
+        Space::Box(numbers) => [0.25, 0.75]
+            .into_iter()
+            .filter_map(|place| between(numbers, place))
+            .filter(|action| space.contains(action))
+            .collect(),
+        Space::MultiDiscrete(space) => {
+            let parts = space.start().iter().zip(space.nvec());
+            let middle = parts.map(|(start, n)| start.saturating_add(n / 2));
+            let data = Data::from_i64(space.dtype(), middle);
+            let middle = Array::new(space.shape(), data).ok();
+            middle.map(Value::Array).into_iter().collect()
+        }
+        _ => Vec::new(),
+    }
 }
 
 /// Returns finite actions beyond the bounds of a box.

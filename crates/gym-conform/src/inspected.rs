@@ -4,9 +4,10 @@ use serde_json::{Value as Json, json};
 
 use crate::arguments::others;
 use crate::damage::{far, moves};
+use crate::options::of_other_types;
 use crate::subject::{MIDWAY, SEEDS, Subject, carry_on, same};
 use crate::verdict::{Verdict, broken};
-use gym_core::{Env, EnvExt};
+use gym_core::{BoxEnv, Env, EnvExt};
 
 /// The steps of a comparison.
 const STEPS: usize = 20;
@@ -39,6 +40,7 @@ pub(crate) fn checked(subject: &Subject<'_>) -> Verdict {
         }
         // the environment may refuse every state
         if is_settable {
+            generator_stays(subject, &own)?;
             states(subject, &own)?;
             clones(subject, &own)?;
         }
@@ -46,7 +48,20 @@ pub(crate) fn checked(subject: &Subject<'_>) -> Verdict {
     arguments(subject)
 }
 
-/// Checks that clones go on from a state that was set.
+/// Checks that `set_state` draws no numbers.
+fn generator_stays(subject: &Subject<'_>, own: &Json) -> Verdict {
+    let mut env = subject.midway(SEEDS[0])?;
+    let before = env.generator().cloned();
+    if let Some(inspect) = env.inspect_mut() {
+        inspect.set_state(own.clone())?;
+    }
+    match before.as_ref() == env.generator().as_deref() {
+        true => Ok(()),
+        false => broken("`set_state` of its own state changes the generator"),
+    }
+}
+
+/// Checks that clones go on from a state that was set, and that a snapshot contains it.
 fn clones(subject: &Subject<'_>, own: &Json) -> Verdict {
     /// The states that are tried.
     const MOST: usize = 6;
@@ -63,17 +78,39 @@ fn clones(subject: &Subject<'_>, own: &Json) -> Verdict {
         }
         tried += 1;
         let mut clone = env.clone();
+        let what = damage.difference(own);
+        restored(subject, &env, &what)?;
         // a state in which `step` fails is no fault
         let Ok(after) = carry_on(&mut env, SEEDS[0], STEPS) else {
             continue;
         };
-        let what = format!("a clone after `set_state` with {}", damage.difference(own));
+        let what = format!("a clone after `set_state` with {what}");
         same(&after, &carry_on(&mut clone, SEEDS[0], STEPS)?, &what)?;
         if tried == MOST {
             break;
         }
     }
     Ok(())
+}
+
+/// Checks that an environment that is restored shows the state that was set.
+fn restored(subject: &Subject<'_>, env: &BoxEnv, what: &str) -> Verdict {
+    let mut other = subject.midway(SEEDS[0])?;
+    // (there may be no snapshot of this state)
+    let Ok(snapshot) = env.snapshot() else {
+        return Ok(());
+    };
+    if other.restore(&snapshot).is_err() {
+        return Ok(());
+    }
+    let [set, restored] =
+        [env, &other].map(|env| env.inspect().and_then(|inspect| inspect.state()));
+    match set == restored {
+        true => Ok(()),
+        false => broken(format!(
+            "after `set_state` with {what} the state is {set:?}, and that of an environment restored from its snapshot is {restored:?}"
+        )),
+    }
 }
 
 /// Checks that states with a number beyond any episode are refused, or harmless.
@@ -119,9 +156,11 @@ fn arguments(subject: &Subject<'_>) -> Verdict {
     let Json::Object(own) = inspect.arguments() else {
         return Ok(());
     };
-    let nothing_like_it = json!({"no": ["such", "value"]});
     let unknown = ("no_such_argument", json!(1));
-    let wrong = own.keys().map(|name| (&**name, nothing_like_it.clone()));
+    let wrong = own.iter().flat_map(|(name, value)| {
+        let others = of_other_types(value).into_iter();
+        others.map(move |other| (&**name, other))
+    });
     for (name, value) in wrong.chain([unknown]) {
         if inspect.set_argument(name, value.clone()).is_ok() {
             return broken(format!("`set_argument` accepts {name}={value}"));
@@ -133,6 +172,7 @@ fn arguments(subject: &Subject<'_>) -> Verdict {
             ));
         }
     }
+    made_with(subject, &own)?;
     for (name, value) in &own {
         for other in others(value) {
             if inspect.set_argument(name, other.clone()).is_err() {
@@ -146,6 +186,30 @@ fn arguments(subject: &Subject<'_>) -> Verdict {
             if !is_set {
                 return broken(format!(
                     "after `set_argument` accepts {name}={other}, the argument is {now}"
+                ));
+            }
+        }
+    }
+    Ok(())
+}
+
+/// Checks that an environment shows the arguments that it was made with.
+fn made_with(subject: &Subject<'_>, own: &serde_json::Map<String, Json>) -> Verdict {
+    let Some((spec, _)) = subject.arguments() else {
+        return Ok(());
+    };
+    for (name, value) in own {
+        for other in others(value) {
+            let mut spec = spec.clone();
+            spec.kwargs.insert(name.clone(), other.clone());
+            // (the environment may refuse the value, or take no such argument)
+            let Ok(env) = spec.make() else { continue };
+            let Some(Json::Object(shown)) = env.inspect().map(|inspect| inspect.arguments()) else {
+                continue;
+            };
+            if shown.get(name) == Some(value) {
+                return broken(format!(
+                    "made with {name}={other}, its argument is shown as {value}"
                 ));
             }
         }

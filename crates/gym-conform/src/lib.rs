@@ -33,6 +33,7 @@
 //!   show;
 //! - an argument that was set without effect: others may follow from it only when the environment is
 //!   made;
+//! - a list that `restore` fills or cuts: a list of another length may be another state;
 //! - a fault that needs two arguments other than the default, an argument that is a text or a list,
 //!   or a value other than the one that is tried; an observation that leaves its space with another
 //!   float, as unusual physical constants may rightly cause;

@@ -1,7 +1,7 @@
 //! Long runs: late states, repeated actions, and unusual actions.
 
 use crate::calls::Calls;
-use crate::inputs::{corners, huge};
+use crate::inputs::{corners, huge, inner};
 use crate::look::look;
 use crate::verdict::{Verdict, broken};
 use gym_core::{BoxEnv, Env, EnvExt, Result, Space, Step, Value};
@@ -39,6 +39,10 @@ impl LongRuns {
         for action in held {
             runs.run(&mut env, &format!("{action} held"), HELD, || action.clone())?;
         }
+        let within = inner(&space);
+        let mut each = within.iter().cycle().cloned();
+        let next = || each.next().unwrap_or_default();
+        runs.run(&mut env, "each action in turn", within.len(), next)?;
         for action in huge(&space) {
             // the environment may refuse actions beyond the space
             if env.reset(1).is_ok() && env.step(&action).is_ok() {
@@ -61,6 +65,9 @@ impl LongRuns {
         steps: usize,
         mut action: impl FnMut() -> Value,
     ) -> Result<()> {
+        if steps == 0 {
+            return Ok(());
+        }
         self.see(&env.reset(1)?, || format!("{what}, reset"));
         for i in 1..=steps {
             let Step {

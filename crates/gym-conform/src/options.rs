@@ -29,7 +29,25 @@ pub(crate) fn examples(subject: &Subject<'_>) -> Verdict<Vec<(&'static str, Json
             "the example `{example}` of the reset option `{name}` is not JSON: {error}"
         )),
     };
+    for (i, (name, _)) in named.iter().enumerate() {
+        if named[..i].iter().any(|(other, _)| other == name) {
+            return broken(format!("the reset option `{name}` is named twice"));
+        }
+    }
     named.iter().map(read).collect()
+}
+
+/// Returns values that are not of the example's type.
+pub(crate) fn of_other_types(example: &Json) -> Vec<Json> {
+    let mut others = vec![json!({"no": ["such", "value"]})];
+    others.extend(match example {
+        Json::Number(_) => vec![json!("x"), json!(true)],
+        Json::Bool(_) => vec![json!("x"), json!(7)],
+        Json::String(_) => vec![json!(7), json!(true)],
+        Json::Array(_) | Json::Object(_) => vec![json!("x")],
+        Json::Null => vec![],
+    });
+    others
 }
 
 /// Checks an unknown option: an environment whose registration names options must refuse it; an
@@ -78,15 +96,11 @@ pub(crate) fn accepted(subject: &Subject<'_>) -> Verdict {
                 "the first `reset`, without a seed and with the option {name}={example}: {error}"
             ));
         }
-        let nothing_like_it = json!({"no": ["such", "value"]});
-        if subject
-            .make()?
-            .reset(Reset::seed(0).option(name, nothing_like_it.clone()))
-            .is_ok()
-        {
-            return broken(format!(
-                "`reset` accepts the option {name}={nothing_like_it}"
-            ));
+        for other in of_other_types(&example) {
+            let reset = Reset::seed(0).option(name, other.clone());
+            if subject.make()?.reset(reset).is_ok() {
+                return broken(format!("`reset` accepts the option {name}={other}"));
+            }
         }
     }
     Ok(())
@@ -176,6 +190,17 @@ pub(crate) fn matter(subject: &Subject<'_>) -> Verdict {
         };
         let example_is_plain = is_plain(&example)?;
         counts_again(subject, name, &example, example_is_plain)?;
+        // an unknown word must be refused, or not be taken for the example
+        let unknown = json!("no such value");
+        if example.is_string()
+            && !example_is_plain
+            && let Ok(taken) = with_option(subject, Some((name, &unknown)))
+            && taken == with_option(subject, Some((name, &example)))?
+        {
+            return broken(format!(
+                "the reset option {name}={unknown} is accepted and taken for {example}"
+            ));
+        }
         // if the option has an effect only with an argument, these episodes do not show the effect
         if example.is_number() && !example_is_plain {
             for beyond in [json!(1e300), json!(-1e300)] {

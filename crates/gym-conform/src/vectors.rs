@@ -200,7 +200,8 @@ impl<'a> Pair<'a> {
         })?;
         self.malformed()?;
         self.steps(3)?;
-        self.refused()?;
+        self.refused(|len| len.saturating_sub(1))?;
+        self.refused(|len| len.min(2) - 1)?;
         // reset every third sub-environment; some of them have a seed
         let mask: Vec<_> = (0..envs).map(|i| i % 3 == 1).collect();
         let seeds = (0..envs).map(|i| (i % 2 == 0).then(|| (50 + i as u64).into()));
@@ -218,6 +219,7 @@ impl<'a> Pair<'a> {
             self.steps(3)?;
         }
         self.reset(&VectorReset::default().option("no_such_option", "x"))?;
+        self.steps(3)?;
         self.reset(&VectorReset::default())?;
         // start again with empty columns
         (self.seen, self.expected) = (Columns::default(), Columns::default());
@@ -259,10 +261,10 @@ impl<'a> Pair<'a> {
         Ok(())
     }
 
-    /// Takes a step in which the last sub-environment has an action outside of its space, or NaN. If
-    /// both vectors refuse it, either no sub-environment of the vector has stepped, or all others
+    /// Takes a step in which one sub-environment has an action outside of its space, or NaN; `index`
+    /// returns which of the numbers of all actions that is. If both vectors refuse it, either no sub-environment of the vector has stepped, or all others
     /// have, as in a sync vector.
-    fn refused(&mut self) -> Verdict {
+    fn refused(&mut self, index: fn(usize) -> usize) -> Verdict {
         let beyond = match self.sync.single_action_space() {
             Space::Discrete(space) => space.last() as f64 + 1.0,
             Space::MultiDiscrete(_) | Space::MultiBinary(_) => 100.0,
@@ -273,8 +275,8 @@ impl<'a> Pair<'a> {
             return Ok(());
         };
         let mut numbers: Vec<f64> = valid.iter_f64().collect();
-        if let Some(last) = numbers.last_mut() {
-            *last = beyond;
+        if let Some(number) = numbers.get_mut(index(valid.len())) {
+            *number = beyond;
         }
         let data = Data::from_f64(valid.dtype(), numbers);
         let wrong = Value::Array(Array::new(valid.shape(), data)?);
@@ -334,7 +336,23 @@ impl<'a> Pair<'a> {
             Err(error) if self.sync.snapshot().is_ok() => {
                 return broken(format!("{}: its vector's snapshot: {error}", self.what));
             }
-            Err(_) => {}
+            Err(_) => return Ok(()),
+        }
+        for i in 0..self.size.envs {
+            let info = |envs: &dyn VectorEnv| {
+                let mut info = Info::new();
+                envs.info(i, &mut |key, value| {
+                    drop(info.insert(key.to_owned(), value))
+                });
+                info
+            };
+            let (a, b) = (info(&*self.own), info(&*self.sync));
+            if !alike(&a, &b) {
+                return broken(format!(
+                    "{}: a vector restored from its snapshot has the info {a:?} of sub-environment {i}, and a sync vector has {b:?}",
+                    self.what
+                ));
+            }
         }
         Ok(())
     }

@@ -92,3 +92,19 @@ gym_core::arguments! {
         pub fast: bool = false,
     }
 }
+
+gym_core::arguments! {
+    /// Weights of the reward.
+    pub(crate) struct Weights {
+        /// The weights.
+        pub weights: Vec<f64> = vec![1.0, 2.0],
+    }
+}
+
+gym_core::arguments! {
+    /// A bonus that may be missing.
+    pub(crate) struct Bonus {
+        /// The bonus; null is a quarter.
+        pub bonus: Option<f64> = None,
+    }
+}

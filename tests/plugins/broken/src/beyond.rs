@@ -10,20 +10,9 @@ use gym_core::{
 use serde_json::{Value as Json, json};
 
 use crate::arguments::Number;
-use crate::reach::{drive, inspected, pace, paced, restore_pace, set_pace, with_pace};
+use crate::reach::{drive, inspected, pace, paced, restore_pace, scaled, set_pace, with_pace};
 use crate::twisted::{Mind, Twist, Twisted as Of};
 use crate::twists::twists;
-
-/// Takes a step and multiplies the reward by the argument.
-fn scaled(
-    env: &mut Of<impl Twist<Arguments = Number>>,
-    action: &Value,
-    observation: &mut Value,
-) -> Result<Outcome> {
-    let outcome = env.walk.step_into(action, observation)?;
-    let reward = outcome.reward * env.arguments.number;
-    Ok(Outcome { reward, ..outcome })
-}
 
 // actions
 twists! {
@@ -60,20 +49,6 @@ twists! {
 
 // snapshots
 twists! {
-    "snapshot-legal.negative-infinity" LetsTheOtherInfinityIn {
-        fn step(env: &mut Of<Self>, action: &Value, observation: &mut Value) -> Result<Outcome> {
-            paced(env, action, observation)
-        }
-
-        fn snapshot(env: &Of<Self>) -> Result<Snapshot> {
-            with_pace(env)
-        }
-
-        fn restore(env: &mut Of<Self>, snapshot: &Snapshot) -> Result<()> {
-            restore_pace(env, snapshot, |pace| (0.0..10.0).contains(&pace) || pace == f64::NEG_INFINITY)
-        }
-    }
-
     // a missing key keeps the value of before
     "snapshot-refused.keeps" KeepsWhatIsMissing {
         fn restore(env: &mut Of<Self>, snapshot: &Snapshot) -> Result<()> {

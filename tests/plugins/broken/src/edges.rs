@@ -11,6 +11,7 @@ use gym_core::{Env, Error, Outcome, Registration, Reset, Result, Snapshot, Space
 use serde_json::Value as Json;
 
 use crate::arguments::Number;
+use crate::reach::scaled;
 use crate::twisted::{Mind, Twist, Twisted as Of};
 use crate::twists::{twists, with_seed};
 
@@ -52,8 +53,7 @@ twists! {
         }
 
         fn step(env: &mut Of<Self>, action: &Value, observation: &mut Value) -> Result<Outcome> {
-            let outcome = env.walk.step_into(action, observation)?;
-            Ok(Outcome { reward: outcome.reward * env.arguments.number, ..outcome })
+            scaled(env, action, observation)
         }
 
         fn info(env: &Of<Self>, visit: &mut dyn FnMut(&str, Value)) {
@@ -141,8 +141,7 @@ twists! {
         }
 
         fn step(env: &mut Of<Self>, action: &Value, observation: &mut Value) -> Result<Outcome> {
-            let outcome = env.walk.step_into(action, observation)?;
-            Ok(Outcome { reward: outcome.reward * env.arguments.number, ..outcome })
+            scaled(env, action, observation)
         }
 
         fn close(env: &mut Of<Self>) {
@@ -165,8 +164,7 @@ twists! {
 
     "none.closed-for-good" RefusesAfterClose (Number), reset_options(&[("start", "0.25")]) {
         fn step(env: &mut Of<Self>, action: &Value, observation: &mut Value) -> Result<Outcome> {
-            let outcome = env.walk.step_into(action, observation)?;
-            Ok(Outcome { reward: outcome.reward * env.arguments.number, ..outcome })
+            scaled(env, action, observation)
         }
 
         fn reset(env: &mut Of<Self>, reset: &Reset, observation: &mut Value) -> Result<()> {

@@ -5,6 +5,7 @@
 //! All are the same [`Walk`] with one [`Fault`] or one twist. `broken/none-v0` has none.
 
 mod arguments;
+mod between;
 mod beyond;
 mod edges;
 mod faces;

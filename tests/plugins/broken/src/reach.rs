@@ -92,6 +92,19 @@ twists! {
     }
 }
 
+/// Takes a step whose reward is multiplied by the argument.
+pub(crate) fn scaled(
+    env: &mut Of<impl Twist<Arguments = Number>>,
+    action: &Value,
+    observation: &mut Value,
+) -> Result<Outcome> {
+    let outcome = env.walk.step_into(action, observation)?;
+    Ok(Outcome {
+        reward: outcome.reward * env.arguments.number,
+        ..outcome
+    })
+}
+
 /// Takes a step whose reward is multiplied by a pace that snapshots contain.
 pub(crate) fn paced<T: Twist>(
     env: &mut Of<T>,
@@ -128,52 +141,36 @@ pub(crate) fn restore_pace<T: Twist>(
     Ok(())
 }
 
+/// Defines twists that restore a pace if a condition holds for it.
+macro_rules! restored {
+    ($($name:literal $Twist:ident |$pace:ident| $is_valid:expr;)*) => {
+        twists! {$(
+            $name $Twist {
+                fn step(env: &mut Of<Self>, action: &Value, observation: &mut Value) -> Result<Outcome> {
+                    paced(env, action, observation)
+                }
+
+                fn snapshot(env: &Of<Self>) -> Result<Snapshot> {
+                    with_pace(env)
+                }
+
+                fn restore(env: &mut Of<Self>, snapshot: &Snapshot) -> Result<()> {
+                    restore_pace(env, snapshot, |$pace| $is_valid)
+                }
+            }
+        )*}
+    };
+}
+
+restored! {
+    // both comparisons with NaN are false
+    "snapshot-legal.nan" LetsNaNIn |pace| !matches!(pace, ..0.0 | 10.0..);
+    "snapshot-legal.infinity" LetsInfinityIn |pace| (0.0..10.0).contains(&pace) || pace == f64::INFINITY;
+    "snapshot-legal.negative-infinity" LetsTheOtherInfinityIn |pace| (0.0..10.0).contains(&pace) || pace == f64::NEG_INFINITY;
+}
+
 // restored states
 twists! {
-    // both comparisons with NaN are false
-    "snapshot-legal.nan" LetsNaNIn {
-        fn step(env: &mut Of<Self>, action: &Value, observation: &mut Value) -> Result<Outcome> {
-            paced(env, action, observation)
-        }
-
-        fn snapshot(env: &Of<Self>) -> Result<Snapshot> {
-            with_pace(env)
-        }
-
-        fn restore(env: &mut Of<Self>, snapshot: &Snapshot) -> Result<()> {
-            restore_pace(env, snapshot, |pace| !matches!(pace, ..0.0 | 10.0..))
-        }
-    }
-
-    "snapshot-legal.infinity" LetsInfinityIn {
-        fn step(env: &mut Of<Self>, action: &Value, observation: &mut Value) -> Result<Outcome> {
-            paced(env, action, observation)
-        }
-
-        fn snapshot(env: &Of<Self>) -> Result<Snapshot> {
-            with_pace(env)
-        }
-
-        fn restore(env: &mut Of<Self>, snapshot: &Snapshot) -> Result<()> {
-            restore_pace(env, snapshot, |pace| (0.0..10.0).contains(&pace) || pace == f64::INFINITY)
-        }
-    }
-
-    "none.paced" Paced (Number), reset_options(&[("start", "0.25")]) {
-        fn step(env: &mut Of<Self>, action: &Value, observation: &mut Value) -> Result<Outcome> {
-            let outcome = paced(env, action, observation)?;
-            Ok(Outcome { reward: outcome.reward * env.arguments.number, ..outcome })
-        }
-
-        fn snapshot(env: &Of<Self>) -> Result<Snapshot> {
-            with_pace(env)
-        }
-
-        fn restore(env: &mut Of<Self>, snapshot: &Snapshot) -> Result<()> {
-            restore_pace(env, snapshot, |pace| (0.0..10.0).contains(&pace))
-        }
-    }
-
     "snapshot-refused.fills" FillsAMissingKey {
         fn restore(env: &mut Of<Self>, snapshot: &Snapshot) -> Result<()> {
             let mut json = snapshot.get::<Json>()?;
@@ -203,8 +200,7 @@ twists! {
         }
 
         fn step(env: &mut Of<Self>, action: &Value, observation: &mut Value) -> Result<Outcome> {
-            let outcome = env.walk.step_into(action, observation)?;
-            Ok(Outcome { reward: outcome.reward * env.arguments.number, ..outcome })
+            scaled(env, action, observation)
         }
     }
 }
@@ -255,8 +251,7 @@ twists! {
         reward_threshold(-1.0), actions(&[("Left", "left"), ("Right", "right")]),
         policy(policy::Policy::rules("goes right", |_| Some(Box::new(|_, _| Some(Value::Int(1)))))) {
         fn step(env: &mut Of<Self>, action: &Value, observation: &mut Value) -> Result<Outcome> {
-            let outcome = env.walk.step_into(action, observation)?;
-            Ok(Outcome { reward: outcome.reward * env.arguments.number, ..outcome })
+            scaled(env, action, observation)
         }
     }
 }

@@ -43,9 +43,15 @@ enum Fault {
     AnySnapshot,
     /// After `close` an episode can begin.
     Reopens,
+    /// A reset that is refused resets the first sub-environment.
+    RefusedReset,
+    /// A restored vector has no infos before its next call.
+    InfosRestored,
+    /// An action outside of the space of the second sub-environment counts as 0.
+    OneRefusal,
 }
 
-const FAULTS: [Fault; 19] = [
+const FAULTS: [Fault; 22] = [
     Fault::None,
     Fault::Final,
     Fault::Mask,
@@ -65,6 +71,9 @@ const FAULTS: [Fault; 19] = [
     Fault::OtherActions,
     Fault::AnySnapshot,
     Fault::Reopens,
+    Fault::RefusedReset,
+    Fault::InfosRestored,
+    Fault::OneRefusal,
 ];
 
 struct Vector {
@@ -74,6 +83,7 @@ struct Vector {
     is_begun: bool,
     has_ended: bool,
     is_closed: bool,
+    is_restored: bool,
 }
 
 /// Makes a sync vector with the fault `F`.
@@ -93,6 +103,7 @@ fn vector<const F: usize>(spec: &VectorSpec) -> Result<Box<dyn VectorEnv>> {
         is_begun: false,
         has_ended: false,
         is_closed: false,
+        is_restored: false,
     }))
 }
 
@@ -130,14 +141,33 @@ impl VectorWrapper for Vector {
             }
             _ => {}
         }
+        self.is_restored = false;
+        let done = self.envs.reset_into(&reset, columns);
+        if done.is_err() && self.fault == Fault::RefusedReset && self.is_begun {
+            let mask: Vec<_> = (0..self.envs.num_envs()).map(|i| i == 0).collect();
+            let _ = self
+                .envs
+                .reset_into(&VectorReset::default().mask(mask), &mut Columns::default());
+        }
         (self.is_begun, self.has_ended) = (true, false);
-        self.envs.reset_into(&reset, columns)
+        done
     }
 
     fn on_step(&mut self, actions: &Value, columns: &mut Columns) -> Result<()> {
         if self.is_closed {
             return Err(Error::Closed("step"));
         }
+        self.is_restored = false;
+        let actions = &match actions {
+            Value::Array(array) if self.fault == Fault::OneRefusal => {
+                let mut numbers: Vec<i64> = array.iter_f64().map(|x| x as i64).collect();
+                if let Some(second) = numbers.get_mut(1).filter(|x| !(0..2).contains(*x)) {
+                    *second = 0;
+                }
+                Value::from(numbers)
+            }
+            _ => actions.clone(),
+        };
         let first = match actions {
             Value::Array(array) if self.fault == Fault::OtherActions => {
                 let n = self.envs.num_envs();
@@ -191,7 +221,9 @@ impl VectorWrapper for Vector {
         } else {
             index
         };
-        self.envs.info(index, visit);
+        if !(self.fault == Fault::InfosRestored && self.is_restored) {
+            self.envs.info(index, visit);
+        }
     }
 
     fn on_snapshot(&self) -> Result<Snapshot> {
@@ -204,6 +236,7 @@ impl VectorWrapper for Vector {
             return Ok(());
         }
         restored?;
+        self.is_restored = true;
         if self.fault == Fault::Snapshot {
             self.envs.reset_into(&1.into(), &mut Columns::default())?;
         }
@@ -253,4 +286,7 @@ register! {
     "vector-equal.other-actions" = 16;
     "vector-equal.any-snapshot" = 17;
     "vector-equal.reopens" = 18;
+    "vector-equal.refused-reset" = 19;
+    "vector-equal.infos-restored" = 20;
+    "vector-equal.one-refusal" = 21;
 }

@@ -94,7 +94,11 @@ mod tests {
     fn a_package_is_found_in_the_layouts_of_an_installation() {
         let name = format!("gym-numerics-python-{}", std::process::id());
         let prefix = std::env::temp_dir().join(name);
-        for layout in ["lib/python3.12/site-packages", "Lib/site-packages"] {
+        for layout in [
+            "lib/python3.12/site-packages",
+            "lib64/python3.12/site-packages",
+            "Lib/site-packages",
+        ] {
             assert_eq!(installed(&prefix, "package/data"), None, "{layout}");
             let folder = prefix.join(layout).join("package").join("data");
             fs::create_dir_all(&folder).unwrap();

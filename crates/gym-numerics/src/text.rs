@@ -442,6 +442,27 @@ pub fn shortened(text: &str) -> Cow<'_, str> {
     }
 }
 
+/// The start and the end of a message that repeats a long text.
+///
+/// ```
+/// let message = format!("expected a number, not {}, line 1", "x".repeat(100_000));
+/// let brief = gym_numerics::text::brief(&message);
+/// assert!(brief.len() < 2000 && brief.starts_with("expected a number") && brief.ends_with("line 1"));
+/// assert_eq!(gym_numerics::text::brief("short"), "short");
+/// ```
+pub fn brief(message: &str) -> Cow<'_, str> {
+    const MAX_LENGTH: usize = 2000;
+    const START: usize = 500;
+    const END: usize = 200;
+    if message.chars().nth(MAX_LENGTH).is_none() {
+        return Cow::Borrowed(message);
+    }
+    let at = |i: Option<(usize, char)>| i.map_or(0, |(i, _)| i);
+    let start = &message[..at(message.char_indices().nth(START))];
+    let end = &message[at(message.char_indices().nth_back(END))..];
+    Cow::Owned(format!("{start} ... {end}"))
+}
+
 /// Escapes control characters, marks of text direction and characters that have no glyph. The first
 /// two change how a terminal shows the text around them; the last make two texts look alike.
 ///

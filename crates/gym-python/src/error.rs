@@ -50,16 +50,9 @@ fn text(error: &Error) -> String {
             format!("cannot call `{call}` before `reset`: call `reset(seed=0)` first")
         }
         Error::InvalidArgument { .. } => {
-            let text = TYPES
-                .iter()
-                .fold(error.to_string(), |text, (types, words)| {
-                    types.iter().fold(text, |text, name| {
-                        text.replace(&format!("expected {name}"), words)
-                    })
-                });
-            WORDS
-                .iter()
-                .fold(text, |text, (ours, words)| text.replace(ours, words))
+            WORDS.iter().fold(error.to_string(), |text, (ours, words)| {
+                text.replace(ours, words)
+            })
         }
         // linking crates is advice for Rust users
         _ => error
@@ -71,20 +64,7 @@ fn text(error: &Error) -> String {
     }
 }
 
-/// Rust types that appear in serde's errors, and their replacements in Python's terms.
-const TYPES: [(&[&str], &str); 3] = [
-    (
-        &["usize", "u64", "u32", "u16", "u8"],
-        "expected a whole number, zero or greater",
-    ),
-    (
-        &["isize", "i64", "i32", "i16", "i8"],
-        "expected a whole number",
-    ),
-    (&["f64", "f32"], "expected a number"),
-];
-
-/// Words of JSON, Rust and the operating system, and their replacements in Python's terms.
+/// Words of JSON and the operating system, and their replacements in Python's terms.
 const WORDS: [(&str, &str); 14] = [
     (
         " (NaN and infinite numbers become null: give a finite number)",

@@ -226,10 +226,13 @@ fn reset_options() {
         env.reset(reset().option("low", 1.0).option("high", 0.0)),
         &["lower bound (1.0)", "higher bound (0.0)"],
     );
-    says(env.reset(reset().option("low", "a")), &["expected f64"]);
+    says(
+        env.reset(reset().option("low", "a")),
+        &["expected a number"],
+    );
     says(
         env.reset(reset().option("low", f64::NAN)),
-        &["expected f64"],
+        &["expected a number"],
     );
     says(
         env.reset(reset().option("high", 1e300)),

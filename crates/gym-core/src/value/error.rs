@@ -1,10 +1,12 @@
 //! The one error type. Each message names the fault and the remedy.
 
+use std::borrow::Cow;
 use std::fmt;
 use std::io::ErrorKind;
 use std::sync::Arc;
 
 use gym_numerics::SeedError;
+use gym_numerics::text::brief;
 pub use gym_numerics::text::printable;
 pub(crate) use gym_numerics::text::shortened;
 use thiserror::Error as ThisError;
@@ -86,7 +88,7 @@ pub enum Error {
     },
 
     /// A constructor argument or reset option that does not exist or has a bad value.
-    #[error("invalid argument for {target}: {reason}")]
+    #[error("invalid argument for {}: {}", brief(target), told(reason))]
     InvalidArgument {
         /// The thing being built or reset.
         target: String,
@@ -95,7 +97,7 @@ pub enum Error {
     },
 
     /// A space cannot be built from these parts.
-    #[error("invalid space: {0}")]
+    #[error("invalid space: {}", told(.0))]
     InvalidSpace(String),
 
     /// A value does not belong to a space.
@@ -148,7 +150,7 @@ pub enum Error {
     },
 
     /// A snapshot that does not fit the environment it is restored into.
-    #[error("cannot restore this snapshot: {0}")]
+    #[error("cannot restore this snapshot: {}", told(.0))]
     Snapshot(String),
 
     /// The environment breaks the rules of its own interface.
@@ -214,6 +216,34 @@ impl fmt::Debug for Error {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         fmt::Display::fmt(self, f)
     }
+}
+
+/// Types of Rust in messages of serde, and words for them.
+const TYPES: [(&[&str], &str); 3] = [
+    (
+        &["usize", "u64", "u32", "u16", "u8"],
+        "expected a whole number, zero or greater",
+    ),
+    (
+        &["isize", "i64", "i32", "i16", "i8"],
+        "expected a whole number",
+    ),
+    (&["f64", "f32"], "expected a number"),
+];
+
+/// A message that may be serde's: without types of Rust, and in brief.
+fn told(message: &str) -> Cow<'_, str> {
+    let message = brief(message);
+    if !message.contains("expected ") {
+        return message;
+    }
+    let mut told = message.into_owned();
+    for (types, words) in TYPES {
+        for name in types {
+            told = told.replace(&format!("expected {name}"), words);
+        }
+    }
+    Cow::Owned(told)
 }
 
 fn version_not_found(name: &str, version: Option<u32>, available: &str) -> String {
@@ -289,6 +319,43 @@ mod tests {
                 assert!(text.len() < 400, "{text}");
                 assert_eq!(printable(&text), text);
             }
+        }
+    }
+
+    #[test]
+    fn messages_do_not_repeat_long_texts() {
+        let huge = "ß".repeat(100_000);
+        let number = |json: serde_json::Value| {
+            let snapshot = crate::Snapshot::of(&json)?;
+            snapshot.get::<(f64, f64)>()
+        };
+        let error = number(serde_json::json!([0.5, huge])).unwrap_err();
+        let others = [
+            Error::argument("A-v0", format!("`width` is {huge:?}")),
+            Error::InvalidSpace(format!("it has {huge:?} elements")),
+        ];
+        for error in others.iter().chain([&error]) {
+            let text = error.to_string();
+            assert!(text.len() < 3000, "{} bytes", text.len());
+            assert!(text.contains("ßßß") && text.contains(" ... "), "{text}");
+        }
+    }
+
+    #[test]
+    fn types_are_told_in_words() {
+        let told = |error: Error| error.to_string();
+        let read = |text: &str| serde_json::from_str::<(f64, u8, i32)>(text).unwrap_err();
+        for (text, words) in [
+            (r#"["x"]"#, "expected a number"),
+            ("[0.5, -1]", "expected a whole number, zero or greater"),
+            ("[0.5, 1, null]", "expected a whole number"),
+        ] {
+            let message = told(Error::argument("A-v0", read(text).to_string()));
+            assert!(
+                message.contains(words) && !message.contains("u8"),
+                "{message}"
+            );
+            assert!(told(Error::Snapshot(read(text).to_string())).contains(words));
         }
     }
 

@@ -417,6 +417,8 @@ mod tests {
             (&[1, 5, 6], 12, false),
             (&[10, 10, 1], 21, false),
             (&[10, 10, 2], 22, false),
+            (&[1, 2, 3, 4, 5], 15, false),
+            (&[1, 2, 1, 1, 3], 18, true),
         ] {
             assert_eq!(
                 (hand(cards).sum(), hand(cards).usable_ace()),

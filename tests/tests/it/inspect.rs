@@ -143,6 +143,13 @@ fn tables_can_be_replaced() {
         );
 
         let states = table["P"].as_array().unwrap().len();
+        let mut elsewhere = table.clone();
+        let starts = (0..states).map(|state| if state == 3 { 1.0 } else { 0.0 });
+        elsewhere["initial_state_distrib"] = starts.collect();
+        let inspect = same.inspect_mut().unwrap();
+        inspect.set_table(elsewhere).unwrap();
+        assert_eq!(same.reset(9).unwrap().as_int(), Some(3), "{id}");
+
         let refused: [(&str, Json); 6] = [
             ("/P/0/0", json!([])),
             ("/P/0/0", json!([[1.5, 0, 0.0, false]])),

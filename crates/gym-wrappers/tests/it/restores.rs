@@ -525,3 +525,23 @@ fn the_last_step_has_all_the_time() {
         assert!(times.eq(expected), "{limit}");
     }
 }
+
+#[test]
+fn the_time_has_the_key_that_was_given() {
+    let config = |key: &str| time_aware_observation::Config {
+        max_timesteps: Some(9),
+        flatten: false,
+        dict_time_key: key.to_owned(),
+        ..Default::default()
+    };
+    let inner = TimeAwareObservation::new(Squares::new(23), config("time")).unwrap();
+    let mut env = TimeAwareObservation::new(inner, config("clock")).unwrap();
+    env.reset(0).unwrap();
+    let seen = env.step(&0).unwrap().observation;
+    env.observation_space().check(&seen).unwrap();
+    let time = |key| seen.get(key).and_then(gym_core::Value::as_array);
+    assert!(
+        time("clock").is_some() && time("clock") == time("time"),
+        "{seen}"
+    );
+}

@@ -6,9 +6,6 @@ use std::sync::Arc;
 use gym_core::{Error, Result};
 use mujoco_engine::{CompiledModel, Model, Revision};
 
-/// The most bytes of a file that is read as text: what the engine takes.
-const MAX_LEN: usize = 8 << 20;
-
 /// Loads a model for a revision of the engine. `xml_file` is the path of a file, which begins with
 /// `.`, `/` or `~`, or the text of a model, which begins with `<`.
 ///
@@ -58,7 +55,7 @@ pub fn text(xml_file: &str) -> Result<String> {
     if xml_file.starts_with('<') {
         return Ok(xml_file.to_owned());
     }
-    gym_core::file::read_text(&path(xml_file)?, MAX_LEN).map_err(|error| {
+    gym_core::file::read_text(&path(xml_file)?, Model::MAX_BYTES).map_err(|error| {
         let reason =
             format!("{xml_file:?}: {error}: give the path of a model in MJCF, or its text");
         Error::argument("xml_file", reason)

@@ -8,6 +8,9 @@ use crate::mjcf::{files, reader};
 use crate::{Error, Model, Result, Revision};
 
 impl Model {
+    /// The largest size in bytes of a model's text, and of all its texts together.
+    pub const MAX_BYTES: usize = files::MAX_LEN;
+
     /// Compiles a model from a text in MJCF, which names no files.
     ///
     /// | section | supported |

@@ -13,7 +13,7 @@ use super::xml::{Lines, MAX_VISITS, Place};
 use crate::{Error, Result};
 
 /// The largest size in bytes of a file, and of all files of a model together.
-const MAX_LEN: usize = 8 << 20;
+pub(crate) const MAX_LEN: usize = 8 << 20;
 /// The largest number of nodes (elements, texts and comments).
 const MAX_NODES: u32 = 200_000;
 /// The largest number of attributes of an element, and of namespaces: the parser compares each with

@@ -201,3 +201,51 @@ fn a_number_is_refused_or_works() {
     }
     assert!(refused > 50, "{refused}");
 }
+
+/// A number of an object, a kind or a place that a change accepts can be simulated.
+#[test]
+fn an_index_is_refused_or_works() {
+    let m = model();
+    let figures = serde_json::to_value(&m).unwrap();
+    let mut pointers = Vec::new();
+    for (field, value) in figures.as_object().unwrap() {
+        let Value::Array(rows) = value else { continue };
+        for row in [0, rows.len().saturating_sub(1)] {
+            match rows.get(row) {
+                Some(Value::Array(numbers)) => {
+                    pointers.extend((0..numbers.len()).map(|k| format!("/{field}/{row}/{k}")));
+                }
+                Some(_) => pointers.push(format!("/{field}/{row}")),
+                None => {}
+            }
+        }
+    }
+    pointers.retain(|pointer| figures.pointer(pointer).is_some_and(|x| x.is_i64()));
+    pointers.dedup();
+    assert!(pointers.len() > 60, "{}", pointers.len());
+    let mut refused = Vec::new();
+    for pointer in &pointers {
+        for number in [99_999, 1] {
+            let mut other = figures.clone();
+            *other.pointer_mut(pointer).unwrap() = json!(number);
+            let Ok(other) = serde_json::from_value::<CompiledModel>(other) else {
+                continue;
+            };
+            let mut m = m.clone();
+            if m.change(|figures| *figures = other).is_err() {
+                refused.push(pointer.as_str());
+                continue;
+            }
+            let mut d = Data::new(&m);
+            (0..3).for_each(|_| step(&m, &mut d));
+        }
+    }
+    for reference in [
+        "/pair_geom1/0",
+        "/pair_geom2/0",
+        "/geom_bodyid/1",
+        "/jnt_bodyid/0",
+    ] {
+        assert!(refused.contains(&reference), "{reference}: {refused:?}");
+    }
+}

@@ -28,6 +28,11 @@ pub const TARGETS: &[Target] = &[
         run: targets::arguments,
         seeds: seeds::arguments,
     },
+    Target {
+        name: "assets",
+        run: targets::assets,
+        seeds: seeds::assets,
+    },
     #[cfg(unix)]
     Target {
         name: "frames",

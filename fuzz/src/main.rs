@@ -26,6 +26,9 @@ struct Arguments {
     /// Tries these files instead of mutations.
     #[arg(long)]
     input: Vec<PathBuf>,
+    /// Replaces each part of each seed input that is JSON in turn, instead of parts by lot.
+    #[arg(long)]
+    everywhere: bool,
     /// Writes the seed inputs to fuzz/corpus, for `cargo fuzz`, and exits.
     #[arg(long)]
     write_corpus: bool,
@@ -86,14 +89,21 @@ fn run(target: &Target, arguments: &Arguments) -> std::io::Result<usize> {
     let (mut mutator, mut crashes) = (Mutator::new(arguments.seed), BTreeSet::new());
     let (start, mut tried) = (Instant::now(), 0u64);
     let seeds = inputs.len();
+    let chosen = if arguments.everywhere {
+        &inputs[..]
+    } else {
+        &[]
+    };
+    let mut everywhere = chosen.iter().flat_map(|seed| Mutator::everywhere(seed));
     loop {
+        let is_over = start.elapsed().as_secs() >= arguments.seconds;
         let input = match inputs.get(tried as usize) {
             Some(seed) => seed.clone(),
-            None if !arguments.input.is_empty()
-                || start.elapsed().as_secs() >= arguments.seconds =>
-            {
-                break;
-            }
+            None if !arguments.input.is_empty() || is_over => break,
+            None if arguments.everywhere => match everywhere.next() {
+                Some(input) => input,
+                None => break,
+            },
             None => {
                 let (i, j) = (mutator.below(seeds), mutator.below(seeds));
                 mutator.mutate(&inputs[i], &inputs[j])

@@ -72,11 +72,61 @@ impl Mutator {
             }
             return text.into_bytes();
         }
+        // words of a text after its first byte
+        let text = input.get(1..).filter(|text| text.is_ascii());
+        if self.below(OF_BYTES) > 0
+            && let Some(Ok(text)) = text.map(str::from_utf8)
+        {
+            let mut text = text.to_owned();
+            for _ in 0..changes {
+                self.change_words(&mut text);
+            }
+            return [&input[..1], text.as_bytes()].concat();
+        }
         let mut bytes = input.to_vec();
         for _ in 0..changes {
             self.change_bytes(&mut bytes, other);
         }
         bytes
+    }
+
+    /// Returns `input`, a JSON text, once for each of its nodes and each replacement of a node;
+    /// nothing for other inputs.
+    pub fn everywhere(input: &[u8]) -> impl Iterator<Item = Vec<u8>> {
+        let json = serde_json::from_slice::<Json>(input).unwrap_or(Json::Null);
+        let nodes = count(&json);
+        (1..nodes).flat_map(move |target| {
+            let near = node_mut(&mut json.clone(), &mut { target }).and_then(|node| node.as_f64());
+            let changed = replacements(near.unwrap_or_default()).map(|replacement| {
+                let mut json = json.clone();
+                if let Some(node) = node_mut(&mut json, &mut { target }) {
+                    *node = replacement;
+                }
+                json.to_string().into_bytes()
+            });
+            changed.into_iter()
+        })
+    }
+
+    /// Changes a line or a word of a text.
+    fn change_words(&mut self, text: &mut String) {
+        let mut lines: Vec<Vec<&str>> =
+            text.lines().map(|line| line.split(' ').collect()).collect();
+        let (i, j) = (self.below(lines.len()), self.below(lines.len()));
+        let Some(words) = lines.get_mut(i) else {
+            return;
+        };
+        let word = self.below(words.len());
+        match self.below(5) {
+            0 => drop(lines.remove(i)),
+            1 => lines.insert(i, lines[j].clone()),
+            2 => words.insert(word, NUMBERS[self.below(NUMBERS.len())]),
+            _ if words.is_empty() => {}
+            3 => drop(words.remove(word)),
+            _ => words[word] = NUMBERS[self.below(NUMBERS.len())],
+        }
+        let lines: Vec<_> = lines.iter().map(|words| words.join(" ")).collect();
+        *text = lines.join("\n");
     }
 
     /// Changes one node. Each node has the same probability.
@@ -99,27 +149,11 @@ impl Mutator {
 
     fn replace(&mut self, node: &mut Json) {
         let near = node.as_f64().unwrap_or_default();
-        *node = match self.below(20) {
-            0 => Json::Null,
-            1 => json!(true),
-            2 => json!(""),
-            3 => json!([]),
-            4 => json!({}),
-            5 => json!(i64::MAX),
-            6 => json!(i64::MIN),
-            7 => json!(u64::MAX),
-            8 => json!(1e308),
-            9 => json!(-1e308),
-            10 => json!(5e-324),
-            11 => json!("inf"),
-            12 => json!(-1),
-            13 => json!(0),
-            14 => json!(near + 1.0),
-            15 => json!((near as i64).saturating_sub(1)),
-            16 => json!(near * 1000.0),
-            17 => json!(-near),
-            18 => json!(1u64 << self.below(64)),
-            _ => json!(self.rng.uniform(-2.0, 2.0)),
+        let fixed = replacements(near);
+        *node = match self.below(fixed.len() + 2) {
+            0 => json!(1u64 << self.below(64)),
+            1 => json!(self.rng.uniform(-2.0, 2.0)),
+            i => fixed[i - 2].clone(),
         };
     }
 
@@ -227,6 +261,33 @@ impl Mutator {
                 .for_each(drop),
         }
     }
+}
+
+/// Values in place of a node, of which `near` is the number.
+fn replacements(near: f64) -> [Json; 21] {
+    [
+        Json::Null,
+        json!(true),
+        json!(""),
+        json!([]),
+        json!({}),
+        json!(i64::MAX),
+        json!(i64::MIN),
+        json!(u64::MAX),
+        json!(1e308),
+        json!(-1e308),
+        json!(5e-324),
+        json!("inf"),
+        json!({"$float": "NaN"}),
+        json!({"$float": "inf"}),
+        json!(-1),
+        json!(0),
+        json!(near + 1.0),
+        json!((near as i64).saturating_add(1)),
+        json!((near as i64).saturating_sub(1)),
+        json!(near * 1000.0),
+        json!(-near),
+    ]
 }
 
 /// Finds the attributes of an XML text: names, and values without quotes.

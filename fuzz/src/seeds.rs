@@ -80,11 +80,116 @@ pub fn mjcf() -> Vec<Vec<u8>> {
         <geom type="plane" size="0 0 1"/><body pos="0 0 .1"><freejoint/><geom type="mesh" mesh="m"/></body>
         <body pos="0 0 .3"><freejoint/><geom type="mesh" mesh="n"/><geom type="capsule" mesh="n" fitscale=".5"/></body>
         </worldbody></mujoco>"#;
+    const FIELDS: &str = r#"<mujoco><option cone="elliptic" noslip_iterations="2" jacobian="sparse"/><asset>
+        <hfield name="h" nrow="3" ncol="4" elevation="0 1 2 3 1 0 2 1 3 2 1 0" size="1 2 .3 .1"/>
+        <texture name="t" type="2d" builtin="checker" rgb1="1 0 0" rgb2="0 0 1" width="8" height="6" mark="random"/>
+        <texture name="u" type="cube" builtin="gradient" width="4" mark="edge"/><material name="m" texture="t" texrepeat="2 3"/>
+        <mesh name="b" builtin="supersphere" params="8 .5 .6"/></asset><worldbody>
+        <light pos="0 0 3" dir="0 0 -1"/><camera name="c" mode="targetbody" target="p" pos="1 1 1"/>
+        <geom type="hfield" hfield="h" material="m"/>
+        <body name="p" pos="0 0 .6"><freejoint align="true"/><geom type="ellipsoid" size=".1 .2 .1"/><geom type="mesh" mesh="b" mass=".1"/></body>
+        <body pos=".3 .3 .9"><joint type="ball" range="0 90"/><geom type="box" size=".1 .1 .2" solref="-100 -10" condim="6"/></body>
+        </worldbody></mujoco>"#;
+    const COPIES: &str = r#"<mujoco model="copies"><option integrator="implicit"><flag eulerdamp="disable" energy="enable"/></option>
+        <default><geom density="900"/><default class="a"><joint armature=".01" stiffness="2" springref="10"/><site size=".01"/></default></default>
+        <worldbody><frame pos="0 0 1" euler="0 30 0" childclass="a">
+        <replicate count="3" offset=".4 0 0" euler="0 0 20" sep="_"><body name="b"><joint name="j" axis="0 1 0" frictionloss=".1" damping=".2"/>
+        <geom type="capsule" size=".05 .1"/><site name="s" pos="0 0 .1"/><body pos="0 0 .3"><joint name="k" type="slide" limited="true" range="-.1 .1"/>
+        <geom name="g" size=".06"/><site name="e"/></body></body></replicate></frame></worldbody>
+        <tendon><fixed name="f" range="-1 1" stiffness="3"><joint joint="j_0" coef="2"/><joint joint="k_1" coef="-1"/></fixed>
+        <spatial name="w" width=".01" damping="1"><site site="s_0"/><geom geom="g_1"/><site site="e_2"/></spatial></tendon>
+        <equality><connect body1="b_0" body2="b_1" anchor="0 0 .1"/><joint joint1="j_1" joint2="j_2" polycoef="0 1 .1 0 0"/>
+        <tendon tendon1="f" tendon2="w"/><weld body1="b_2" relpose="0 0 0 1 0 0 0"/></equality>
+        <actuator><position joint="j_0" kp="10" dampratio="1" ctrlrange="-1 1"/><muscle tendon="w" lengthrange=".1 2"/>
+        <intvelocity joint="k_0" kp="3" actrange="-1 1"/><general site="e_1" gear="1 0 0 0 1 0" biastype="affine" dyntype="filterexact" dynprm=".1"/></actuator>
+        <sensor><touch site="s_0"/><rangefinder site="s_1"/><tendonpos tendon="w"/><framelinacc objtype="site" objname="e_0"/>
+        <distance geom1="g_0" geom2="g_1" cutoff="2"/><contact geom1="g_0" data="found force" num="2" reduce="mindist"/><subtreeangmom body="b_0"/></sensor>
+        <keyframe><key name="k" time="1" qpos="0 0 0 0 0 0"/></keyframe></mujoco>"#;
     let texts = gym::mujoco::models().map(|(_, text)| text);
     texts
-        .chain([SMALL, MESHES])
+        .chain([SMALL, MESHES, FIELDS, COPIES])
         .map(|text| text.as_bytes().to_vec())
         .collect()
+}
+
+/// Returns files of meshes, height fields and textures, each after the byte that selects how a model
+/// uses it.
+pub fn assets() -> Vec<Vec<u8>> {
+    const CORNERS: [[f32; 3]; 5] = [
+        [0.0, 0.0, 0.0],
+        [0.3, 0.0, 0.0],
+        [0.0, 0.3, 0.0],
+        [0.0, 0.0, 0.3],
+        [0.1, 0.1, 0.2],
+    ];
+    const FACES: [[usize; 3]; 4] = [[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]];
+    let floats = |numbers: &[[f32; 3]]| -> Vec<u8> {
+        let numbers = numbers.as_flattened().iter();
+        numbers.flat_map(|x| x.to_le_bytes()).collect()
+    };
+    let ints =
+        |numbers: &[i32]| -> Vec<u8> { numbers.iter().flat_map(|x| x.to_le_bytes()).collect() };
+    let mut stl = [vec![0; 80], ints(&[4])].concat();
+    for face in FACES {
+        stl.extend(floats(&[[0.0, 0.0, 1.0]]));
+        stl.extend(floats(&face.map(|i| CORNERS[i])));
+        stl.extend([0, 0]);
+    }
+    let mut obj = String::from("# a tetrahedron\no a\n");
+    for [x, y, z] in CORNERS {
+        obj += &format!("v {x} {y} {z}\nvt {x} {y}\nvn {x} {y} 1\n");
+    }
+    obj += "f 1 3 2\nf 1/1 2/2 4/4\nf 1//1 4//4 3//3\nf 2/2/2 3/3/3 4/4/4\nf -1 -2 -3 -4\n";
+    let faces: Vec<i32> = FACES.as_flattened().iter().map(|i| *i as i32).collect();
+    let msh = [ints(&[5, 0, 0, 4]), floats(&CORNERS), ints(&faces)].concat();
+    let field = [ints(&[2, 3]), floats(&[[0.5, -1.0, 2.0], [3.0, 0.25, 7.0]])].concat();
+    let picture = |width: u32, color: u8, data: &[u8]| {
+        let mut png = b"\x89PNG\r\n\x1a\n".to_vec();
+        let head = [&width.to_be_bytes()[..], &[0, 0, 0, 2, 8, color, 0, 0, 0]].concat();
+        for (name, content) in [(b"IHDR", &*head), (b"IDAT", data), (b"IEND", &[][..])] {
+            png.extend((content.len() as u32).to_be_bytes());
+            png.extend(name);
+            png.extend(content);
+            png.extend(crc32(&[&name[..], content].concat()).to_be_bytes());
+        }
+        png
+    };
+    // blocks that are not compressed
+    let grey = picture(3, 0, &zlib(&[0, 9, 200, 3, 0, 1, 2, 255]));
+    let colors = picture(1, 2, &zlib(&[0, 1, 2, 3, 0, 250, 7, 8]));
+    let contents = [stl, obj.into_bytes(), msh, grey, field, colors];
+    let choices = (0..96u8).map(|choice| {
+        let content = &contents[usize::from(choice) % contents.len()];
+        [&[choice][..], content].concat()
+    });
+    choices.collect()
+}
+
+/// The checksum of a chunk of a PNG file.
+fn crc32(bytes: &[u8]) -> u32 {
+    !bytes.iter().fold(!0, |crc: u32, byte| {
+        (0..8).fold(crc ^ u32::from(*byte), |crc, _| {
+            (crc >> 1) ^ (0xedb8_8320 & (crc & 1).wrapping_neg())
+        })
+    })
+}
+
+/// The format zlib, with one block that is not compressed.
+fn zlib(bytes: &[u8]) -> Vec<u8> {
+    let len = bytes.len() as u16;
+    let [mut a, mut b] = [1u32, 0];
+    for byte in bytes {
+        a = (a + u32::from(*byte)) % 65_521;
+        b = (b + a) % 65_521;
+    }
+    [
+        &[0x78, 1, 1][..],
+        &len.to_le_bytes(),
+        &(!len).to_le_bytes(),
+        bytes,
+        &(b << 16 | a).to_be_bytes(),
+    ]
+    .concat()
 }
 
 /// Returns a snapshot of every environment, several steps into an episode.

@@ -2,6 +2,7 @@
 
 use std::cell::RefCell;
 use std::collections::BTreeMap;
+use std::fs;
 
 use gym::canvas::Blank;
 use gym::registry::{self, EnvId};
@@ -111,6 +112,73 @@ pub fn arguments(input: &[u8]) {
             play(&mut env);
         }
         Err(error) => explains(&error),
+    }
+}
+
+/// Where each kind of file stands in a model: its name, and the element that names it.
+pub(crate) const ASSETS: [(&str, &str); 6] = [
+    ("a.stl", "mesh"),
+    ("a.obj", "mesh"),
+    ("a.msh", "mesh"),
+    ("a.png", "hfield"),
+    ("a.bin", "hfield"),
+    ("a.png", "texture"),
+];
+
+/// Tries a file of a mesh, a height field or a texture, after a byte that selects which, and how the
+/// model uses it.
+pub fn assets(input: &[u8]) {
+    use gym::sim::engine::{Data, Model, Revision, step};
+
+    let Some((&choice, content)) = input.split_first() else {
+        return;
+    };
+    let (name, kind) = ASSETS[usize::from(choice) % ASSETS.len()];
+    let revision = Revision::ALL[usize::from(choice / 6) % Revision::ALL.len()];
+    let inertia = ["convex", "exact", "legacy", "shell"][usize::from(choice / 24) % 4];
+    let (asset, geom) = match kind {
+        "mesh" => (
+            format!(r#"<mesh name="a" file="{name}" inertia="{inertia}"/>"#),
+            r#"<body pos="0 0 .5"><freejoint/><geom type="mesh" mesh="a"/></body>"#,
+        ),
+        "hfield" => (
+            format!(r#"<hfield name="a" file="{name}" size="1 1 .2 .1"/>"#),
+            r#"<geom type="hfield" hfield="a"/>"#,
+        ),
+        _ => (
+            format!(
+                r#"<texture name="a" type="2d" file="{name}"/><material name="a" texture="a"/>"#
+            ),
+            r#"<geom size="1" material="a"/>"#,
+        ),
+    };
+    let text = format!(
+        r#"<mujoco><asset>{asset}</asset><worldbody><geom type="plane" size="0 0 1" pos="0 0 -1"/>{geom}
+        <body pos=".1 0 .4"><freejoint/><geom type="box" size=".1 .1 .1"/></body></worldbody></mujoco>"#
+    );
+    let folder = std::env::temp_dir().join(format!(
+        "gym-fuzz-{}-{:?}",
+        std::process::id(),
+        std::thread::current().id()
+    ));
+    let path = folder.join("model.xml");
+    let written = fs::create_dir_all(&folder)
+        .and_then(|()| fs::write(&path, text))
+        .and_then(|()| fs::write(folder.join(name), content));
+    written.expect("a folder for temporary files");
+    let model = Model::from_path_with(&path, revision);
+    fs::remove_dir_all(&folder).expect("the folder is its own");
+    match model {
+        Ok(model) => {
+            let mut data = Data::new(&model);
+            for _ in 0..STEPS {
+                step(&model, &mut data);
+            }
+        }
+        Err(error) => assert!(
+            error.to_string().contains("line "),
+            "`{error}` does not say where"
+        ),
     }
 }
 

@@ -2,6 +2,7 @@
 
 mod allocation;
 mod bad_input;
+mod before;
 mod book;
 mod by_hand;
 mod cpu;

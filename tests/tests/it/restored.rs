@@ -10,7 +10,7 @@ use serde_json::{Value as Json, json};
 use super::sample::one_per_module;
 
 /// The environment some steps into an episode, where bodies touch each other.
-fn played(id: &str) -> BoxEnv {
+pub(crate) fn played(id: &str) -> BoxEnv {
     let mut env = gym::make(id).unwrap_or_else(|error| panic!("{id}: {error}"));
     env.reset(3).unwrap();
     let mut actions = env.action_sampler(3).unwrap();
@@ -25,7 +25,7 @@ fn played(id: &str) -> BoxEnv {
 
 /// The pointers to floats of a state. Of lists with more than 30 elements, those of the first two
 /// and the last.
-fn floats(json: &Json, pointer: &str, found: &mut Vec<String>) {
+pub(crate) fn floats(json: &Json, pointer: &str, found: &mut Vec<String>) {
     match json {
         Json::Number(number) if number.is_f64() => found.push(pointer.to_owned()),
         Json::Array(items) => {

@@ -1,10 +1,10 @@
-//! Models from the argument `xml_file`, and their keyframes.
+//! Models from the argument `xml_file`.
 
 use std::path::PathBuf;
 use std::sync::Arc;
 
 use gym_core::{Error, Result};
-use mujoco_engine::{CompiledModel, Model, Revision};
+use mujoco_engine::{Model, Revision};
 
 /// Loads a model for a revision of the engine. `xml_file` is the path of a file, which begins with
 /// `.`, `/` or `~`, or the text of a model, which begins with `<`.
@@ -21,30 +21,6 @@ pub fn load(xml_file: &str, revision: Revision) -> Result<Arc<Model>> {
         Ok(model) => Ok(Arc::new(model)),
         Err(error) => Err(Error::argument("xml_file", error.to_string())),
     }
-}
-
-/// Returns the number of a keyframe of the model, which is given by its name or number.
-///
-/// # Errors
-/// [`Error::InvalidArgument`] if the model does not have it.
-pub fn keyframe_of(model: &CompiledModel, name: &str) -> Result<usize> {
-    let number = name.parse().ok().filter(|key| *key < model.key_qpos.len());
-    model.key_id(name).or(number).ok_or_else(|| {
-        let reason = match keyframe_names(model) {
-            names if names.is_empty() => format!("{name:?}: the model has no keyframe"),
-            names => format!("there is no keyframe {name:?}: the model has {names}"),
-        };
-        Error::argument("keyframe", reason)
-    })
-}
-
-/// The names of the keyframes; the number of one without a name.
-pub fn keyframe_names(model: &CompiledModel) -> String {
-    let names = (0..model.key_qpos.len()).map(|key| match model.names.key.get(key) {
-        Some(Some(name)) => name.clone(),
-        _ => key.to_string(),
-    });
-    names.collect::<Vec<_>>().join(", ")
 }
 
 /// Returns the text of a model, to be changed before it is loaded: `xml_file` as in [`load`].

@@ -9,7 +9,7 @@ use mujoco_engine::physics::{forward, rne_post_constraint, step, step1, step2, s
 use mujoco_engine::{CompiledModel, Data, Model};
 
 use crate::arguments::Common;
-use crate::load::keyframe_of;
+use crate::keyframe::keyframe;
 use crate::view::View;
 
 /// The constant parts of an environment: a model, and how it is stepped and seen.
@@ -111,14 +111,14 @@ impl Simulation {
         arguments.check()?;
         let model = load()?;
         let view = arguments.view(&model)?;
-        let keyframe = arguments.keyframe.as_deref();
+        let named = arguments.keyframe.as_deref();
         let scheme = match stepper {
             Stepper::Behind { contact_forces } => Scheme::Behind { contact_forces },
             Stepper::Settled => Scheme::Settled(Variants::of(&model)?),
         };
         Ok(Self {
             xml_file: arguments.xml_file.clone(),
-            keyframe: keyframe.map(|name| keyframe_of(&model, name)).transpose()?,
+            keyframe: named.map(|name| keyframe(&model, name)).transpose()?,
             frame_skip: arguments.frame_skip,
             dt: model.opt.timestep * arguments.frame_skip as f64,
             model,

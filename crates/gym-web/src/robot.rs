@@ -7,7 +7,8 @@ use gym::render::{Frame, Painter as _, Raster};
 use gym::{Error, Result};
 use gym_sim::engine::model::{GeomType, ObjectType};
 use gym_sim::engine::{CompiledModel, Model, Revision};
-use gym_sim::viewer::{Viewer, keyframes, name};
+use gym_sim::keyframes;
+use gym_sim::viewer::{Viewer, name};
 use serde::Deserialize;
 use serde_json::{Value as Json, json};
 

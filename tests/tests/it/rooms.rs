@@ -21,6 +21,7 @@ const CRATES: [(&str, &[&str]); 3] = [
             "version",
             "observation",
             "view",
+            "keyframe",
             "viewer",
             "arguments",
             "pixels",

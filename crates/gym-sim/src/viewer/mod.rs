@@ -34,6 +34,7 @@ use std::sync::Arc;
 use gym_core::canvas::{Canvas, Point};
 use gym_core::{Error, Result};
 
+use crate::keyframe::keyframe;
 use crate::view::{CameraConfig, Hit, View};
 use history::Samples;
 use mujoco_engine::math::MAXVAL;
@@ -203,7 +204,7 @@ impl Viewer {
         self.start();
     }
 
-    /// Resets to a keyframe, given by its name or number: see [`keyframe`].
+    /// Resets to a keyframe, given by its name or number: see [`keyframe`](crate::keyframe).
     ///
     /// # Errors
     /// [`Error::InvalidArgument`] if the model has no such keyframe; nothing changes.
@@ -411,30 +412,6 @@ pub fn name(model: &CompiledModel, kind: ObjectType, id: usize) -> String {
 
 fn named(name: Option<&str>, kind: &str, id: usize) -> String {
     name.map_or_else(|| format!("{kind} {id}"), str::to_owned)
-}
-
-/// The names of the keyframes; the number of one without a name.
-#[must_use]
-pub fn keyframes(model: &CompiledModel) -> Vec<String> {
-    let name = |key: usize| match model.names.key.get(key) {
-        Some(Some(name)) => name.clone(),
-        _ => key.to_string(),
-    };
-    (0..model.key_qpos.len()).map(name).collect()
-}
-
-/// The number of a keyframe that is given by its name or number.
-///
-/// # Errors
-/// [`Error::InvalidArgument`] with the names that there are.
-pub fn keyframe(model: &CompiledModel, name: &str) -> Result<usize> {
-    let number = name.parse().ok().filter(|key| *key < model.key_qpos.len());
-    model.key_id(name).or(number).ok_or_else(|| {
-        let names = keyframes(model).join(", ");
-        let known = if names.is_empty() { "none" } else { &names };
-        let reason = format!("there is no keyframe {name:?}: the model has {known}");
-        Error::argument("keyframe", reason)
-    })
 }
 
 #[cfg(test)]

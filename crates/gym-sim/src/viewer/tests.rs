@@ -78,7 +78,7 @@ fn time_passes_at_a_speed() {
 #[test]
 fn keyframes_have_names_and_numbers() {
     let mut viewer = viewer(ARM);
-    assert_eq!(keyframes(viewer.model()), ["bent", "1"]);
+    assert_eq!(crate::keyframes(viewer.model()), ["bent", "1"]);
     viewer.step(3).unwrap();
     for (name, elbow, time) in [("bent", 1.0, 3.0), ("1", -1.0, 0.0), ("0", 1.0, 3.0)] {
         viewer.reset_to(name).unwrap();
@@ -95,7 +95,7 @@ fn keyframes_have_names_and_numbers() {
     viewer.reset();
     assert_eq!((viewer.data().qpos[2], viewer.data().ctrl[0]), (0.0, 0.0));
     let none = super::keyframe(&Model::from_xml(BALL).unwrap(), "0").unwrap_err();
-    assert!(none.to_string().contains("none"), "{none}");
+    assert!(none.to_string().contains("has no keyframe"), "{none}");
 }
 
 #[test]

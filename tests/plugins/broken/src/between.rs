@@ -138,7 +138,7 @@ fn reset_with<T: Twist>(
     reset: &Reset,
     observation: &mut Value,
     name: &str,
-    read: impl FnOnce(&Json) -> Option<f64>,
+    read: impl Fn(&Json) -> Option<f64>,
 ) -> Result<()> {
     let mut options = Kwargs::new();
     for (option, value) in &reset.options {

@@ -5,7 +5,7 @@ use std::fmt::{self, Display, Write};
 
 use gym::sim::engine::Model;
 use gym::sim::engine::model::{GeomType, JointType, ObjectType, TransmissionType};
-use gym::sim::viewer::keyframes;
+use gym::sim::keyframes;
 
 /// Describes a model: a line for each body, joint, actuator, tendon, sensor, camera and keyframe.
 pub(super) fn model(m: &Model) -> String {

@@ -7,13 +7,12 @@ use super::refused;
 use gym::Result;
 use gym::rng::RandomState;
 use gym::sim::engine::{Data, Model, forward, step};
-use gym::sim::viewer;
 
 /// The initial state, or that of a keyframe, which is given by its name or number.
 pub(super) fn start(model: &Model, keyframe: Option<&str>) -> Result<Data> {
     let mut data = Data::new(model);
     if let Some(name) = keyframe {
-        let key = viewer::keyframe(model, name)?;
+        let key = gym::sim::keyframe(model, name)?;
         data.reset_keyframe(model, key).map_err(refused)?;
     }
     forward(model, &mut data);

@@ -6,7 +6,8 @@ use gym::Result;
 use gym::canvas::{Align, Canvas, Color, Point};
 use gym::render::{Frame, Window, text_width};
 use gym::sim::engine::model::ObjectType;
-use gym::sim::viewer::{SPEEDS, Viewer, keyframes, name};
+use gym::sim::keyframes;
+use gym::sim::viewer::{SPEEDS, Viewer, name};
 
 use crate::live::{Area, Input, Panel, Part, Rows, TEXT, areas, short};
 

@@ -222,8 +222,9 @@ fn names_of_models_belong_to_their_numbers() {
         compared.insert(id.to_owned(), found);
     }
     assert!(compared.len() > 80, "{compared:?}");
-    let few = compared.iter().find(|(_, found)| **found == 0);
-    assert_eq!(few, None);
+    // lqr's masses have numbers, and no names
+    let mut none = compared.iter().filter(|(_, found)| **found == 0);
+    assert!(none.all(|(id, _)| id.contains("/lqr-")), "{compared:?}");
     assert_eq!(compared["HalfCheetah-v5"], 17);
     assert_eq!(compared["Humanoid-v5"], 45);
     assert_eq!(compared["dm_control/cheetah-run-v0"], 17);

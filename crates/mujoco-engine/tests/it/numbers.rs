@@ -243,7 +243,7 @@ fn an_index_is_refused_or_works() {
     for reference in [
         "/pair_geom1/0",
         "/pair_geom2/0",
-        "/geom_bodyid/1",
+        "/geom_bodyid/4",
         "/jnt_bodyid/0",
     ] {
         assert!(refused.contains(&reference), "{reference}: {refused:?}");

@@ -76,7 +76,7 @@ pub(crate) fn surroundings(spec: &EnvSpec, kwargs: &Kwargs) -> Vec<Variant> {
 
 /// Returns other values of a bool or a number.
 pub(crate) fn others(value: &Json) -> Vec<Json> {
-    match value {
+    let mut others = match value {
         Json::Bool(is) => vec![json!(!is)],
         Json::Number(number) => match (number.as_i64(), number.as_f64()) {
             (Some(int), _) => [
@@ -91,7 +91,10 @@ pub(crate) fn others(value: &Json) -> Vec<Json> {
             (None, None) => vec![],
         },
         _ => vec![],
-    }
+    };
+    // (twice zero is zero)
+    others.retain(|other| other != value);
+    others
 }
 
 /// Returns other values of an argument of any type, as far as they can be guessed.

@@ -103,8 +103,7 @@ fn restored(subject: &Subject<'_>, env: &BoxEnv, what: &str) -> Verdict {
     if other.restore(&snapshot).is_err() {
         return Ok(());
     }
-    let [set, restored] =
-        [env, &other].map(|env| env.inspect().and_then(|inspect| inspect.state()));
+    let [set, restored] = [env, &other].map(|env| env.inspect().and_then(gym_core::Inspect::state));
     match set == restored {
         true => Ok(()),
         false => broken(format!(
@@ -204,7 +203,7 @@ fn made_with(subject: &Subject<'_>, own: &serde_json::Map<String, Json>) -> Verd
             spec.kwargs.insert(name.clone(), other.clone());
             // (the environment may refuse the value, or take no such argument)
             let Ok(env) = spec.make() else { continue };
-            let Some(Json::Object(shown)) = env.inspect().map(|inspect| inspect.arguments()) else {
+            let Some(Json::Object(shown)) = env.inspect().map(gym_core::Inspect::arguments) else {
                 continue;
             };
             if shown.get(name) == Some(value) {

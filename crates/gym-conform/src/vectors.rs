@@ -342,7 +342,7 @@ impl<'a> Pair<'a> {
             let info = |envs: &dyn VectorEnv| {
                 let mut info = Info::new();
                 envs.info(i, &mut |key, value| {
-                    drop(info.insert(key.to_owned(), value))
+                    drop(info.insert(key.to_owned(), value));
                 });
                 info
             };

@@ -71,7 +71,9 @@ def test_an_environment_in_its_state() -> None:
 @pytest.mark.parametrize("env_id", [i for i in rustgym.ids() if re.fullmatch(r"(Ant|HalfCheetah|Humanoid|Pusher|Reacher|Swimmer|Walker2d|PointMaze_UMaze|AdroitHandDoor)-v\d+", i)])
 def test_no_number_is_lost(env_id: str) -> None:
     """JSON has no infinity: where one stood would be nothing."""
-    assert "null" not in re.sub(r'"names":\{.*?\}', "", json.dumps(model_in(rustgym.view(rustgym.make(env_id)))))
+    model = model_in(rustgym.view(rustgym.make(env_id)))
+    del model["names"]  # some bodies have none
+    assert "null" not in json.dumps(model)
 
 
 def test_what_is_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -15,7 +15,7 @@ const MOST: usize = 12;
 const FAR: [f64; 3] = [1e300, -1e30, 5e-324];
 
 /// A digest of some steps, and the state after them.
-fn episode(env: &mut BoxEnv, first: Option<Value>) -> Vec<String> {
+fn episode(env: &mut BoxEnv, first: Option<&Value>) -> Vec<String> {
     let mut shown = vec![format!("{first:?}")];
     let mut actions = env.action_sampler(1).unwrap();
     for _ in 0..20 {
@@ -115,14 +115,14 @@ fn no_number_passes_from_one_episode_to_the_next() {
         let mut fresh = make();
         let first = fresh.reset(5).unwrap();
         let snapshot = fresh.snapshot().unwrap();
-        let expected = episode(&mut fresh, Some(first));
+        let expected = episode(&mut fresh, Some(&first));
         let whole = played(id).snapshot().unwrap();
         let absurd = absurd(&whole, MOST);
         let mut used = make();
         used.reset(8).unwrap();
         taken += spoil(&mut used, &absurd);
         let first = used.reset(5).unwrap();
-        if episode(&mut used, Some(first)) != expected {
+        if episode(&mut used, Some(&first)) != expected {
             wrong.push(format!("{id} after a reset"));
         }
         spoil(&mut used, &absurd);

@@ -122,7 +122,7 @@ mod tests {
 
     #[test]
     fn names_go_to_the_parts_of_a_space_in_its_order() {
-        let picture = BoxSpace::uniform(0.0, 255.0, &[4, 4], DType::U8).unwrap();
+        let picture = BoxSpace::uniform(0.0, 255.0, [4, 4], DType::U8).unwrap();
         let goal = DictSpace::new([("door", Space::boxed([0.0; 2], [1.0; 2]))]).unwrap();
         let space: Space = DictSpace::new([
             ("cards", TupleSpace::new([2, 3].map(Space::discrete)).into()),

@@ -327,6 +327,7 @@ class Env(gymnasium.Env[Any, Any], metaclass=_Kind):
     def observation_names(self) -> list[str]:
         """The names of the numbers in an observation, in the order of its space; empty if they have none.
 
+            >>> import rustgym
             >>> rustgym.Env("CartPole-v1").observation_names
             ['cart position (m)', 'cart velocity (m/s)', 'pole angle (rad)', 'pole angular velocity (rad/s)']
         """

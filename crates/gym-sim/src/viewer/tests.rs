@@ -134,9 +134,11 @@ fn wrong_numbers_are_refused() {
     assert_eq!(viewer.data().ctrl, [0.0]);
 }
 
+type PullCase = (usize, [[f64; 3]; 2], f64, [f64; 6]);
+
 /// The forces that `mjv_initPerturb` and `mjv_applyPerturbForce` of libmujoco 3.12.0 give: the body,
 /// the point in its frame and the target, the mass at the point, force and torque.
-const PULLS: [(usize, [[f64; 3]; 2], f64, [f64; 6]); 3] = [
+const PULLS: [PullCase; 3] = [
     (
         1,
         [[0.1, 0.02, -0.1], [0.5, 0.1, 1.2]],

@@ -20,7 +20,7 @@ twists! {
         }
 
         fn step(env: &mut Of<Self>, action: &Value, observation: &mut Value) -> Result<Outcome> {
-            drive(env, action, observation, |x| Ok(f64::from((x - 0.5) / (x - 0.5))))
+            drive(env, action, observation, |x| Ok(f64::from((x - 0.5) / (x - 0.5).abs())))
         }
     }
 

@@ -2,6 +2,7 @@
 
 use gym::trace::{Event, Trace};
 use gym::{Env, EnvExt, Reset, Space, registry};
+use png::{ColorType, Compression, Encoder, Filter};
 use serde_json::{Value as Json, json};
 
 /// Returns the registered ids, and invalid ones.
@@ -143,53 +144,27 @@ pub fn assets() -> Vec<Vec<u8>> {
     let faces: Vec<i32> = FACES.as_flattened().iter().map(|i| *i as i32).collect();
     let msh = [ints(&[5, 0, 0, 4]), floats(&CORNERS), ints(&faces)].concat();
     let field = [ints(&[2, 3]), floats(&[[0.5, -1.0, 2.0], [3.0, 0.25, 7.0]])].concat();
-    let picture = |width: u32, color: u8, data: &[u8]| {
-        let mut png = b"\x89PNG\r\n\x1a\n".to_vec();
-        let head = [&width.to_be_bytes()[..], &[0, 0, 0, 2, 8, color, 0, 0, 0]].concat();
-        for (name, content) in [(b"IHDR", &*head), (b"IDAT", data), (b"IEND", &[][..])] {
-            png.extend((content.len() as u32).to_be_bytes());
-            png.extend(name);
-            png.extend(content);
-            png.extend(crc32(&[&name[..], content].concat()).to_be_bytes());
-        }
+    // not compressed, so that a change of a byte is one of a pixel
+    let picture = |width: u32, color: ColorType, pixels: &[u8]| {
+        let mut png = Vec::new();
+        let mut encoder = Encoder::new(&mut png, width, 2);
+        encoder.set_color(color);
+        encoder.set_compression(Compression::NoCompression);
+        encoder.set_filter(Filter::NoFilter);
+        let written = encoder
+            .write_header()
+            .and_then(|mut writer| writer.write_image_data(pixels));
+        written.expect("as many bytes as pixels have");
         png
     };
-    // blocks that are not compressed
-    let grey = picture(3, 0, &zlib(&[0, 9, 200, 3, 0, 1, 2, 255]));
-    let colors = picture(1, 2, &zlib(&[0, 1, 2, 3, 0, 250, 7, 8]));
+    let grey = picture(3, ColorType::Grayscale, &[9, 200, 3, 1, 2, 255]);
+    let colors = picture(1, ColorType::Rgb, &[1, 2, 3, 250, 7, 8]);
     let contents = [stl, obj.into_bytes(), msh, grey, field, colors];
     let choices = (0..96u8).map(|choice| {
         let content = &contents[usize::from(choice) % contents.len()];
         [&[choice][..], content].concat()
     });
     choices.collect()
-}
-
-/// The checksum of a chunk of a PNG file.
-fn crc32(bytes: &[u8]) -> u32 {
-    !bytes.iter().fold(!0, |crc: u32, byte| {
-        (0..8).fold(crc ^ u32::from(*byte), |crc, _| {
-            (crc >> 1) ^ (0xedb8_8320 & (crc & 1).wrapping_neg())
-        })
-    })
-}
-
-/// The format zlib, with one block that is not compressed.
-fn zlib(bytes: &[u8]) -> Vec<u8> {
-    let len = bytes.len() as u16;
-    let [mut a, mut b] = [1u32, 0];
-    for byte in bytes {
-        a = (a + u32::from(*byte)) % 65_521;
-        b = (b + a) % 65_521;
-    }
-    [
-        &[0x78, 1, 1][..],
-        &len.to_le_bytes(),
-        &(!len).to_le_bytes(),
-        bytes,
-        &(b << 16 | a).to_be_bytes(),
-    ]
-    .concat()
 }
 
 /// Returns a snapshot of every environment, several steps into an episode.

@@ -2,7 +2,6 @@
 
 use std::cell::RefCell;
 use std::collections::BTreeMap;
-use std::fs;
 
 use gym::canvas::Blank;
 use gym::registry::{self, EnvId};
@@ -156,19 +155,9 @@ pub fn assets(input: &[u8]) {
         r#"<mujoco><asset>{asset}</asset><worldbody><geom type="plane" size="0 0 1" pos="0 0 -1"/>{geom}
         <body pos=".1 0 .4"><freejoint/><geom type="box" size=".1 .1 .1"/></body></worldbody></mujoco>"#
     );
-    let folder = std::env::temp_dir().join(format!(
-        "gym-fuzz-{}-{:?}",
-        std::process::id(),
-        std::thread::current().id()
-    ));
-    let path = folder.join("model.xml");
-    let written = fs::create_dir_all(&folder)
-        .and_then(|()| fs::write(&path, text))
-        .and_then(|()| fs::write(folder.join(name), content));
-    written.expect("a folder for temporary files");
-    let model = Model::from_path_with(&path, revision);
-    fs::remove_dir_all(&folder).expect("the folder is its own");
-    match model {
+    let files = [("model.xml", text.as_bytes()), (name, content)];
+    let files = files.map(|(path, bytes)| (path.to_owned(), bytes.to_vec()));
+    match Model::from_files(&files.into(), "model.xml", revision) {
         Ok(model) => {
             let mut data = Data::new(&model);
             for _ in 0..STEPS {

@@ -8,6 +8,8 @@ use mujoco_engine::model::{
     BiasType, GainType, JointType, ObjectType, SensorType, TransmissionType,
 };
 
+use crate::viewer::name;
+
 /// The names of an observation under construction: a task adds them part by part, in the order of
 /// its numbers in [`SimTask::observe`](crate::SimTask::observe).
 #[derive(Debug)]
@@ -147,22 +149,22 @@ impl<'a> Naming<'a> {
     /// The name of a body.
     #[must_use]
     pub fn body(&self, body: usize) -> String {
-        self.named(ObjectType::Body, "body", body)
+        name(self.model, ObjectType::Body, body)
     }
 
     /// The name of a site.
     #[must_use]
     pub fn site(&self, site: usize) -> String {
-        self.named(ObjectType::Site, "site", site)
+        name(self.model, ObjectType::Site, site)
     }
 
     /// The name of an actuator, or of the joint that it moves.
     #[must_use]
     pub fn actuator(&self, actuator: usize) -> String {
-        let name = self.model.name(ObjectType::Actuator, actuator);
-        match (name, self.actuated_joint(actuator)) {
-            (Some(name), _) => name.to_owned(),
-            (None, Some(joint)) => self.named(ObjectType::Joint, "joint", joint),
+        let own = self.model.name(ObjectType::Actuator, actuator);
+        match (own, self.actuated_joint(actuator)) {
+            (Some(own), _) => own.to_owned(),
+            (None, Some(joint)) => name(self.model, ObjectType::Joint, joint),
             (None, None) => format!("actuator {actuator}"),
         }
     }
@@ -179,7 +181,7 @@ impl<'a> Naming<'a> {
                 format!("quaternion {} of {body}", QUATERNION[k - 3])
             }
             JointType::Ball => {
-                let name = self.named(ObjectType::Joint, "joint", joint);
+                let name = name(m, ObjectType::Joint, joint);
                 format!("quaternion {} of {name}", QUATERNION[k])
             }
             _ => {
@@ -219,7 +221,8 @@ impl<'a> Naming<'a> {
         };
         let k = i - m.sensor_adr[sensor];
         let id = usize::try_from(m.sensor_objid[sensor]).unwrap_or_default();
-        let of = self.named(m.sensor_objtype[sensor], "object", id);
+        let of = m.name(m.sensor_objtype[sensor], id);
+        let of = of.map_or_else(|| format!("object {id}"), str::to_owned);
         let axis = AXES.get(k).copied().unwrap_or_default();
         match m.sensor_type[sensor] {
             SensorType::Touch => format!("force on {of} (N)"),
@@ -246,7 +249,7 @@ impl<'a> Naming<'a> {
         let joint = m.dof_jntid[dof];
         let k = dof - m.jnt_dofadr[joint];
         let body = || self.body(m.jnt_bodyid[joint]);
-        let name = || self.named(ObjectType::Joint, "joint", joint);
+        let name = || name(m, ObjectType::Joint, joint);
         let (of, axis, turns) = match m.jnt_type[joint] {
             JointType::Free if k < 3 => (body(), format!(" along {}", AXES[k]), false),
             JointType::Free => (body(), format!(" about its {}", AXES[k - 3]), true),
@@ -323,13 +326,6 @@ impl<'a> Naming<'a> {
                 format!("target velocity of {name}")
             }
             _ => format!("control of {name}"),
-        }
-    }
-
-    fn named(&self, kind: ObjectType, what: &str, id: usize) -> String {
-        match self.model.name(kind, id) {
-            Some(name) => name.to_owned(),
-            None => format!("{what} {id}"),
         }
     }
 

@@ -2,7 +2,6 @@
 
 use std::ops::Range;
 
-use super::named;
 use mujoco_engine::model::SensorType;
 use mujoco_engine::{CompiledModel, Data};
 
@@ -36,7 +35,7 @@ pub(super) fn of(model: &CompiledModel) -> Vec<Sensor> {
     let sensor = |i: usize| {
         let name = model.names.sensor.get(i).and_then(Option::as_deref);
         Sensor {
-            name: named(name, "sensor", i),
+            name: name.map_or_else(|| format!("sensor {i}"), str::to_owned),
             kind: model.sensor_type[i],
             first: model.sensor_adr[i],
             dim: model.sensor_dim[i],

@@ -319,10 +319,9 @@ impl Viewer {
     /// [`pull`](Self::pull) then pulls it. Returns what was selected: `None` for the sky.
     pub fn select(&mut self, at: Point, size: (u32, u32)) -> Option<Hit> {
         self.release();
-        let view = self.own.as_ref().map_or(&self.free, |(_, view)| view);
-        self.selected = view.at(&self.model, &self.data, size, at);
+        self.selected = self.view().at(&self.model, &self.data, size, at);
         self.pull = self.selected.and_then(|hit| {
-            let depth = view.depth_at(&self.data, hit.point);
+            let depth = self.view().depth_at(&self.data, hit.point);
             Pull::new(&self.model, &self.data, &hit, depth)
         });
         self.selected
@@ -403,15 +402,10 @@ impl Viewer {
 /// The name of an object, or its kind and number.
 #[must_use]
 pub fn name(model: &CompiledModel, kind: ObjectType, id: usize) -> String {
-    named(
-        model.name(kind, id),
-        &format!("{kind:?}").to_lowercase(),
-        id,
-    )
-}
-
-fn named(name: Option<&str>, kind: &str, id: usize) -> String {
-    name.map_or_else(|| format!("{kind} {id}"), str::to_owned)
+    match model.name(kind, id) {
+        Some(name) => name.to_owned(),
+        None => format!("{} {id}", format!("{kind:?}").to_lowercase()),
+    }
 }
 
 #[cfg(test)]

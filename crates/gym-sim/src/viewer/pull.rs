@@ -7,7 +7,8 @@
 
 use crate::view::Hit;
 use mujoco_engine::math::{
-    Vec3, add, add_scaled, cross, dot, normalize, quat_to_mat, rotate, rotate_back, scale, sub,
+    Vec3, add, add_scaled, cross, dot, normalize, normalize_quat, quat_to_mat, rotate, rotate_back,
+    scale, sub,
 };
 use mujoco_engine::model::JointType;
 use mujoco_engine::physics::solve_m;
@@ -66,7 +67,7 @@ impl Pull {
     /// a body that floats, as `mjv_applyPerturbPose` does. Returns whether something moved.
     pub(super) fn place(&self, model: &Model, data: &mut Data, is_paused: bool) -> bool {
         if let Some(id) = self.mocap {
-            let mat = quat_to_mat(normalized(data.mocap_quat[id]));
+            let mat = quat_to_mat(normalize_quat(data.mocap_quat[id]));
             data.mocap_pos[id] = sub(self.target, rotate(&mat, self.local));
             return true;
         }
@@ -128,15 +129,6 @@ impl Pull {
         let turned = rotate(&data.xmat[self.body], self.local);
         add(data.xpos[self.body], turned)
     }
-}
-
-/// A quaternion of length 1.
-fn normalized(q: [f64; 4]) -> [f64; 4] {
-    let length = q.iter().map(|x| x * x).sum::<f64>().sqrt();
-    if length < MINVAL {
-        return [1.0, 0.0, 0.0, 0.0];
-    }
-    q.map(|x| x / length)
 }
 
 /// The mass of a body at a point, as the mean over three directions: 3 over the trace of J M^-1 J',

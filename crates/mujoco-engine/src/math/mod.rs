@@ -25,6 +25,12 @@ pub fn mul_quat(a: Quat, b: Quat) -> Quat {
     InTurn::mul_quat(a, b)
 }
 
+/// A quaternion scaled to length 1; `1, 0, 0, 0` if it is shorter than 1e-15.
+#[must_use]
+pub fn normalize_quat(quat: Quat) -> Quat {
+    InTurn::normalize_quat((), quat)
+}
+
 /// The rotation matrix of a quaternion of length 1.
 #[must_use]
 pub fn quat_to_mat(quat: Quat) -> Mat3 {

@@ -7,6 +7,8 @@ mod window;
 
 use std::io::BufRead;
 use std::path::PathBuf;
+#[cfg(feature = "human")]
+use std::time::Duration;
 
 use gym::render::{Frame, RenderMode, Video, file};
 use gym::trace::{Event, Trace};
@@ -18,6 +20,10 @@ use gym::keys::{Idle, Keys};
 use crate::inputs;
 use crate::keys;
 use crate::output::{self, say};
+
+/// The duration for which a window shows the end of an episode.
+#[cfg(feature = "human")]
+const PAUSE: Duration = Duration::from_millis(800);
 
 #[derive(clap::Args)]
 pub(crate) struct Arguments {
@@ -223,6 +229,13 @@ impl Session {
     fn is_last(&self) -> bool {
         self.episodes
             .is_some_and(|episodes| self.episode >= episodes)
+    }
+
+    /// The duration of a step in a window.
+    #[cfg(feature = "human")]
+    fn period(&self, arguments: &Arguments) -> Duration {
+        let fps = arguments.fps.unwrap_or(self.env.metadata().render_fps);
+        Duration::from_secs(1) / fps.max(1)
     }
 
     fn status(&self) -> String {

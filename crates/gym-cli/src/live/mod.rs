@@ -11,7 +11,7 @@ pub(crate) use input::Input;
 pub(crate) use panel::{Panel, Rows, TEXT, short};
 
 use gym::canvas::{Canvas, Point};
-use gym::render::{Frame, Painter, Raster};
+use gym::render::{Frame, Painter, Raster, Window};
 use gym::{Error, Result};
 
 /// A rectangle of pixels: the corner with the smallest coordinates, width and height.
@@ -32,9 +32,7 @@ impl Area {
         let within = |x: f64, side: u32| (0.0..f64::from(side)).contains(&x);
         within(x, self.size.0) && within(y, self.size.1)
     }
-}
 
-impl Area {
     /// The largest area within this one that has the aspect ratio of a size, in the middle.
     pub(crate) fn fit(&self, (width, height): (u32, u32)) -> Self {
         let [across, down] = [(self.size.0, width), (self.size.1, height)]
@@ -115,6 +113,35 @@ impl Part {
         self.raster.paint(units, &mut draw, &mut self.frame);
         copy(&self.frame, area, window)
     }
+}
+
+/// Shows a window until a person closes it. `update` draws each frame, which has the window's size, and
+/// returns the title; `None` closes the window.
+pub(crate) fn run(
+    title: &str,
+    size: (u32, u32),
+    mut update: impl FnMut(&Input, &mut Frame) -> Result<Option<String>>,
+) -> Result<()> {
+    let mut window = Window::open(title, size)?;
+    let (mut input, mut frame) = (Input::default(), Frame::default());
+    while window.is_open() {
+        let size = window.fit();
+        if (frame.width(), frame.height()) != size {
+            frame = Frame::new(size.0, size.1)?;
+        }
+        input.next(&mut window);
+        let Some(title) = update(&input, &mut frame)? else {
+            break;
+        };
+        window.set_title(&title);
+        window.show(&frame);
+    }
+    Ok(())
+}
+
+/// The number of a range that is nearest to zero.
+pub(crate) fn rest([low, high]: [f64; 2]) -> f64 {
+    0.0_f64.max(low).min(high)
 }
 
 /// Copies a frame to its area of a window.

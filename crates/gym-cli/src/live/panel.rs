@@ -3,7 +3,7 @@
 use gym::canvas::{Align, Canvas, Color, Point, Shape};
 use gym::render::text_width;
 
-use super::{Area, Input};
+use super::{Area, Input, rest};
 
 /// The height of a capital letter, in pixels, of texts and of small texts.
 pub(crate) const TEXT: f64 = 9.0;
@@ -233,7 +233,7 @@ impl Rows<'_> {
             let part = ((self.at[0] - left) / width).clamp(0.0, 1.0);
             now = low + part * length;
         } else if self.clears && is_over {
-            now = 0.0_f64.clamp(low, high.max(low));
+            now = rest(range);
         }
         let part = |x: f64| {
             if length > 0.0 {

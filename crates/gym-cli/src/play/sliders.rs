@@ -1,20 +1,18 @@
 //! Playing robots in a window: a slider for each number of an action.
 
-use std::time::{Duration, Instant};
+use std::time::Instant;
 
 use gym::canvas::Canvas;
-use gym::render::{Frame, Window};
+use gym::render::Frame;
 use gym::sim::SimEnv;
 use gym::sim::engine::model::ObjectType;
 use gym::sim::viewer;
 
 use super::*;
-use crate::live::{Area, Input, Panel, Part, Rows, areas, short};
+use crate::live::{self, Area, Input, Panel, Part, Rows, areas, rest, short};
 
 /// The most numbers of an action that have sliders.
 const MOST: usize = 64;
-/// The duration for which the end of an episode is shown.
-const PAUSE: Duration = Duration::from_millis(800);
 /// The grey around a picture that has another shape than its area.
 const AROUND: u8 = 232;
 /// The most steps in a frame, if steps are slower than real time.
@@ -49,7 +47,7 @@ pub(super) fn sliders(env: &BoxEnv) -> Option<Vec<Slider>> {
                 false => format!("action {i}"),
             },
             range: [low, high],
-            value: 0.0_f64.clamp(low, high),
+            value: rest([low, high]),
         })
     };
     ranges.enumerate().map(slider).collect()
@@ -154,7 +152,7 @@ impl<'a> Stage<'a> {
 
     fn clear(&mut self) {
         for Slider { range, value, .. } in &mut self.sliders {
-            *value = 0.0_f64.clamp(range[0], range[1]);
+            *value = rest(*range);
         }
     }
 
@@ -214,23 +212,13 @@ pub(super) fn play(
     arguments: &Arguments,
     sliders: Vec<Slider>,
 ) -> Result<()> {
-    let fps = arguments
-        .fps
-        .unwrap_or(session.env.metadata().render_fps)
-        .max(1);
-    let period = Duration::from_secs(1) / fps;
+    let period = session.period(arguments);
     let size = (session.frame.width() + 320, session.frame.height().max(480));
+    let title = session.status();
     let mut stage = Stage::new(session, keys, sliders);
-    let mut window = Window::open(&stage.session.status(), size)?;
-    let (mut input, mut frame) = (Input::default(), Frame::default());
     let mut next = Instant::now() + period;
     let mut end = None;
-    while window.is_open() {
-        let size = window.fit();
-        if (frame.width(), frame.height()) != size {
-            frame = Frame::new(size.0, size.1)?;
-        }
-        input.next(&mut window);
+    live::run(&title, size, |input, frame| {
         let now = Instant::now();
         let mut due = 0;
         while next <= now && due < BEHIND {
@@ -239,21 +227,20 @@ pub(super) fn play(
         }
         // what is further behind is dropped
         next = next.max(now);
-        if !stage.update(&input, due, &mut frame)? {
-            return Ok(());
+        if !stage.update(input, due, frame)? {
+            return Ok(None);
         }
-        window.set_title(&stage.session.status());
-        window.show(&frame);
+        let title = stage.session.status();
         if !stage.is_over {
             end = None;
         } else if now >= *end.get_or_insert(now + PAUSE) {
             if stage.session.is_last() {
-                return Ok(());
+                return Ok(None);
             }
             stage.reset()?;
         }
-    }
-    Ok(())
+        Ok(Some(title))
+    })
 }
 
 #[cfg(test)]

@@ -1,21 +1,14 @@
 //! Playing in a window.
 
-use std::time::{Duration, Instant};
+use std::time::Instant;
 
 use gym::render::Window;
 
 use super::*;
 
-/// The duration for which the end of an episode is shown.
-const PAUSE: Duration = Duration::from_millis(800);
-
 /// Plays until the window is closed.
 pub(super) fn play(session: &mut Session, keys: &Keys, arguments: &Arguments) -> Result<()> {
-    let fps = arguments
-        .fps
-        .unwrap_or(session.env.metadata().render_fps)
-        .max(1);
-    let period = Duration::from_secs(1) / fps;
+    let period = session.period(arguments);
     let size = (session.frame.width(), session.frame.height());
     let mut window = Window::open(&session.status(), size)?;
     let mut last = None;

@@ -4,12 +4,12 @@ use std::time::{Duration, Instant};
 
 use gym::Result;
 use gym::canvas::{Align, Canvas, Color, Point};
-use gym::render::{Frame, Window, text_width};
+use gym::render::{Frame, text_width};
 use gym::sim::engine::model::ObjectType;
 use gym::sim::keyframes;
 use gym::sim::viewer::{SPEEDS, Viewer, name};
 
-use crate::live::{Area, Input, Panel, Part, Rows, TEXT, areas, short};
+use crate::live::{self, Area, Input, Panel, Part, Rows, TEXT, areas, rest, short};
 
 /// The longest time in a frame for which steps are taken: with that of drawing, 30 frames a second.
 const STEPPING: Duration = Duration::from_millis(20);
@@ -224,8 +224,8 @@ impl Live {
 
     fn clear_controls(&mut self) {
         for i in 0..self.viewer.controls().len() {
-            let [low, high] = self.viewer.controls()[i].range;
-            let set = self.viewer.set_control(i, 0.0_f64.max(low).min(high));
+            let value = rest(self.viewer.controls()[i].range);
+            let set = self.viewer.set_control(i, value);
             self.check(set);
         }
     }
@@ -468,26 +468,14 @@ impl Rate {
 
 /// Shows a model until the window is closed.
 pub(super) fn open(mut live: Live, size: (u32, u32)) -> Result<()> {
-    let mut window = Window::open(&live.name(), size)?;
-    let mut input = Input::default();
-    let mut frame = Frame::default();
     let mut last = Instant::now();
-    while window.is_open() {
-        let size = window.fit();
-        if (frame.width(), frame.height()) != size {
-            frame = Frame::new(size.0, size.1)?;
-        }
-        input.next(&mut window);
+    live::run(&live.name(), size, |input, frame| {
         let now = Instant::now();
         let seconds = (now - std::mem::replace(&mut last, now)).as_secs_f64();
-        let goes_on = || now.elapsed() < STEPPING;
-        if !live.update(&input, seconds, goes_on, &mut frame)? {
-            break;
-        }
-        window.set_title(&live.name());
-        window.show(&frame);
-    }
-    Ok(())
+        let has_time = || now.elapsed() < STEPPING;
+        let goes_on = live.update(input, seconds, has_time, frame)?;
+        Ok(goes_on.then(|| live.name()))
+    })
 }
 
 #[cfg(test)]

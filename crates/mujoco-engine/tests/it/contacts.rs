@@ -1,7 +1,7 @@
 //! Contacts of geoms in random poses (most of them touch), compared with libmujoco's to the last
 //! bit. `recorded/contacts/record.py` describes the poses, and recorded the contacts.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use gym_numerics::RandomState;
 use mujoco_engine::{Data, Model, forward};
@@ -97,7 +97,8 @@ fn words(d: &Data) -> Vec<u64> {
         .collect()
 }
 
-fn digest(m: &Model, seed: u32, poses: usize) -> u64 {
+/// Returns a digest of the contacts; adds the kinds of the geoms that touch to `kinds`.
+fn digest(m: &Model, seed: u32, poses: usize, kinds: &mut BTreeSet<[String; 2]>) -> u64 {
     let (mut random, mut d) = (RandomState::new(seed), Data::new(m));
     let mut digest: u64 = 0xcbf2_9ce4_8422_2325;
     for _ in 0..poses {
@@ -105,6 +106,9 @@ fn digest(m: &Model, seed: u32, poses: usize) -> u64 {
         forward(m, &mut d);
         for word in words(&d) {
             digest = (digest ^ word).wrapping_mul(0x100_0000_01b3);
+        }
+        for contact in &d.contact {
+            kinds.insert(contact.geom.map(|geom| format!("{:?}", m.geom_type[geom])));
         }
     }
     digest
@@ -117,9 +121,10 @@ fn contacts_are_libmujocos() {
     let text = concat!(
         include_str!("../recorded/contacts/3.12.txt"),
         include_str!("../recorded/contacts/4.0.txt"),
-        include_str!("../recorded/contacts/3.17.txt")
+        include_str!("../recorded/contacts/3.17.txt"),
+        include_str!("../recorded/contacts/pairs.txt")
     );
-    let mut models = BTreeMap::new();
+    let (mut models, mut kinds) = (BTreeMap::new(), BTreeSet::new());
     let (mut compared, mut unlike) = (0, Vec::new());
     let lines = text.lines();
     for line in lines.chain(more.as_deref().unwrap_or_default().lines()) {
@@ -132,7 +137,8 @@ fn contacts_are_libmujocos() {
             panic!("{line}");
         };
         let m = Model::from_xml_with(models[name], version.parse().unwrap()).unwrap();
-        let found = digest(&m, seed.parse().unwrap(), poses.parse().unwrap());
+        let (seed, poses) = (seed.parse().unwrap(), poses.parse().unwrap());
+        let found = digest(&m, seed, poses, &mut kinds);
         if format!("{found:016x}") != expected {
             unlike.push(line);
         }
@@ -144,4 +150,11 @@ fn contacts_are_libmujocos() {
         unlike.len()
     );
     assert!(compared >= 100);
+    let moving = ["Sphere", "Capsule", "Ellipsoid", "Cylinder", "Box", "Mesh"];
+    for (i, first) in ["Plane", "Hfield"].iter().chain(&moving).enumerate() {
+        for second in &moving[i.saturating_sub(2)..] {
+            let pair = [*first, *second].map(str::to_owned);
+            assert!(kinds.contains(&pair), "no contact of {pair:?}");
+        }
+    }
 }

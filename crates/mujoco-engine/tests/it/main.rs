@@ -7,6 +7,7 @@ mod common;
 mod compiled;
 mod contacts;
 mod copies;
+mod defaults;
 mod frames;
 mod hfields;
 mod language;

@@ -8,6 +8,7 @@ the name of a model, MuJoCo's version, a seed, the number of poses, and a digest
 In a pose, one body has a random place and orientation. The other is beside it, at a distance that is a sum of lengths of geoms, so that
 sides touch up to rounding.
 """
+import itertools
 import math
 import struct
 import sys
@@ -52,7 +53,8 @@ def models():
     beside = '<geom type="sphere" size=".01" pos="0 0 2"/>'
     for name, shape in SHAPES.items():
         yield f"{name}-box", two(BOX + beside, shape)
-    for first, second in [("cylinder", "cylinder"), ("ellipsoid", "cylinder"), ("capsule", "cylinder"), ("ellipsoid", "ellipsoid")]:
+    round_ones = ("sphere", "capsule", "ellipsoid", "cylinder")
+    for first, second in itertools.combinations_with_replacement(round_ones, 2):
         for margin in ("0", ".01"):
             shapes = [SHAPES[name].replace("/>", f' margin="{margin}"/>') for name in (first, second)]
             yield f"{first}-{second}-{margin}", two(*shapes)
@@ -92,8 +94,9 @@ def models():
         for margin in ("", ' margin=".02" gap=".01"'):
             text = with_meshes(beside, geom, ground.format(margin))
             yield f"field-{name}{'-margin' if margin else ''}", text.replace("<worldbody>", f"<asset>{field}</asset><worldbody>")
-    yield "capsule-floor", two(beside, CAPSULE, floor.format("0 0 0"))
-    yield "capsule-slope", two(beside, CAPSULE, floor.format("30 20 10"))
+    for name, shape in SHAPES.items():
+        yield f"{name}-floor", two(beside, shape, floor.format("0 0 0"))
+        yield f"{name}-slope", two(beside, shape, floor.format("30 20 10"))
 
 
 def turn(random):

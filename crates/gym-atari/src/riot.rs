@@ -168,3 +168,15 @@ impl Timer {
         if ended { 0x80 } else { 0 }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn at_power_on_both_ports_are_inputs_and_nothing_is_pressed() {
+        let mut riot = Riot::new([0; 128], 0);
+        let ports = [0, 1, 2, 3].map(|register| riot.read(register, 0));
+        assert_eq!(ports, [0xff, 0, 0xff, 0]);
+    }
+}

@@ -387,6 +387,15 @@ mod tests {
                 }
             }
         }
+        let tags: Vec<u8> = samples().iter().map(|value| encoded(value)[0]).collect();
+        for tag in (0..=u8::MAX).filter(|tag| *tag != FALSE && !tags.contains(tag)) {
+            let bytes = [vec![tag], vec![0; 64]].concat();
+            for mut buffer in samples() {
+                let mut stream = bytes.as_slice();
+                let read = Reader::new(&mut stream, bytes.len() as u64).value_into(&mut buffer);
+                assert!(read.is_none(), "{tag} is no kind of value");
+            }
+        }
         let deep = [TUPLE, 1, 0, 0, 0].repeat(10_000);
         assert!(decoded(&deep).is_none(), "no stack overflows");
     }

@@ -286,6 +286,10 @@ mod tests {
             xml.contains(r#"<failure message="seed 0: &quot;&lt;NaN&gt;&quot; &amp; more">"#),
             "{xml}"
         );
+        for finding in sample().iter().flat_map(|report| &report.findings) {
+            let whole = format!(">{}</", Xml(&finding.to_string()));
+            assert!(xml.contains(&whole), "{whole} in {xml}");
+        }
         assert_eq!(xml.matches("<testcase").count(), 3 * CHECKS.len());
         assert_eq!(
             (

@@ -508,6 +508,34 @@ mod tests {
         assert!(serde_json::from_str::<Exact<f64>>("null").is_err());
     }
 
+    /// A number in a format for machines, which has all floats.
+    struct Machine(f64);
+
+    impl<'de> Deserializer<'de> for Machine {
+        type Error = serde::de::value::Error;
+
+        fn deserialize_any<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, Self::Error> {
+            visitor.visit_f64(self.0)
+        }
+
+        fn is_human_readable(&self) -> bool {
+            false
+        }
+
+        serde::forward_to_deserialize_any! {
+            bool i8 i16 i32 i64 u8 u16 u32 u64 f32 f64 char str string bytes byte_buf option unit
+            unit_struct newtype_struct seq tuple tuple_struct map struct enum identifier ignored_any
+        }
+    }
+
+    #[test]
+    fn formats_for_machines_keep_their_own_floats() {
+        for x in [0.1, f64::INFINITY, f64::NEG_INFINITY] {
+            let Exact(read) = Exact::<f64>::deserialize(Machine(x)).unwrap();
+            assert_eq!(read, x);
+        }
+    }
+
     #[test]
     fn every_float_comes_back() {
         let json = write(&state()).unwrap();

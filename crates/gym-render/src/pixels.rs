@@ -260,4 +260,51 @@ mod tests {
         assert_eq!(empty, Frame::new(3, 3).unwrap());
         assert!(!crate::svg((3, 3), |canvas| canvas.image(none)).contains("image"));
     }
+
+    /// A pixel of the frame has the colour of the image's pixel below its middle, however the image is
+    /// stretched or shrunk along each axis.
+    #[test]
+    fn images_are_stretched_along_each_axis() {
+        for ([columns, rows], [width, height]) in [
+            ([1, 1], [5, 7]),
+            ([3, 2], [6, 10]),
+            ([2, 5], [12, 3]),
+            ([4, 3], [2, 9]),
+            ([3, 4], [30, 2]),
+        ] {
+            let shades = (1..=columns * rows).map(|i| Color::rgb(10 * i as u8, 0, 0));
+            let pixels: Vec<Color> = shades.collect();
+            let image = Image {
+                min: [2.0, 1.0],
+                size: [width as f64, height as f64],
+                width: columns,
+                pixels: &pixels,
+            };
+            let size = (width as u32 + 3, height as u32 + 2);
+            let frame = red(&crate::frame(size, |canvas| canvas.image(image)).unwrap());
+            let below = |i: usize, pixels: usize, length: usize| {
+                // none if the middle is between two pixels
+                let (twice, step) = ((2 * i + 1) * pixels, 2 * length);
+                (!twice.is_multiple_of(step)).then_some(twice / step)
+            };
+            for (y, line) in frame.chunks(width + 3).enumerate() {
+                for (x, found) in line.iter().enumerate() {
+                    let expected = match (x.checked_sub(2), y.checked_sub(1)) {
+                        (Some(x), Some(y)) if x < width && y < height => {
+                            let place = (below(x, columns, width), below(y, rows, height));
+                            let (Some(column), Some(row)) = place else {
+                                continue;
+                            };
+                            pixels[row * columns + column].r
+                        }
+                        _ => 0,
+                    };
+                    assert_eq!(
+                        *found, expected,
+                        "{columns}x{rows} on {width}x{height}: {x}, {y}"
+                    );
+                }
+            }
+        }
+    }
 }

@@ -373,6 +373,35 @@ mod tests {
     }
 
     #[test]
+    fn a_scale_is_a_larger_drawing() {
+        let points = [[1.0, 1.0], [7.0, 2.0], [6.0, 7.0]];
+        for scale in [0.25, 0.5, 1.0, 2.0, 4.0] {
+            let larger = points.map(|point| point.map(|x| scale * x));
+            for width in [0.125, 0.25, 0.5, 1.0, 1.5, 3.0] {
+                let drawn = |points: &[Point], width: f64, scale: f64| {
+                    let (mut skia, mut frame) = (Skia::default(), Frame::new(32, 32).unwrap());
+                    let transform = Transform::scale(scale, scale);
+                    let size = 4.0 * width;
+                    skia.stroke(
+                        &mut frame,
+                        Shape::Polyline(points),
+                        width,
+                        transform,
+                        Color::WHITE,
+                    );
+                    let text = ("a", points[0], size, Align::Left);
+                    skia.text(&mut frame, text, transform, Color::WHITE);
+                    frame
+                };
+                assert!(
+                    drawn(&points, width, scale) == drawn(&larger, scale * width, 1.0),
+                    "a line {width} wide, {scale} times as large"
+                );
+            }
+        }
+    }
+
+    #[test]
     fn shapes_are_told_apart_by_all_that_decides_them() {
         let points = [[1.0, 1.0], [7.0, 2.0], [6.0, 7.0]];
         let [polygon, polyline] = [Shape::Polygon(&points), Shape::Polyline(&points)];

@@ -1,5 +1,6 @@
 //! Recording environments, with concrete types and with `BoxEnv`.
 
+use std::cell::Cell;
 use std::fs;
 use std::path::Path;
 use std::process::{Command, Stdio};
@@ -18,6 +19,11 @@ use gym_render::{
     capped_cubic, write_video,
 };
 use tempfile::TempDir;
+
+thread_local! {
+    /// How many pictures a test's thread has drawn.
+    static DRAWN: Cell<u32> = const { Cell::new(0) };
+}
 
 /// An environment that counts to 3 and shows the count as a bar.
 #[derive(Clone, Default, Debug)]
@@ -64,6 +70,7 @@ impl Env for Count {
     }
 
     fn draw(&self, canvas: &mut dyn Canvas) {
+        DRAWN.set(DRAWN.get() + 1);
         canvas.clear(Color::WHITE);
         canvas.rect([0.0, 0.0], [2.0 * self.0 as f64, 4.0], Color::BLACK);
     }
@@ -218,6 +225,20 @@ fn triggers_length_and_prefix() {
         "try-step-4.gif",
     ];
     assert_eq!(names(folder.path()), expected);
+}
+
+#[test]
+fn only_what_is_recorded_is_drawn() {
+    let folder = TempDir::new().unwrap();
+    let mut env = RecordVideo::new(drawn(), folder.path())
+        .unwrap()
+        .episode_trigger(|episode| episode == 1);
+    let pictures = [0, 1, 2].map(|_| {
+        let before = DRAWN.get();
+        play(&mut env, 1);
+        DRAWN.get() - before
+    });
+    assert_eq!(pictures, [0, 4, 0]);
 }
 
 #[test]

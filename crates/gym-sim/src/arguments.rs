@@ -165,3 +165,30 @@ impl Common {
         Ok(())
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn cameras_have_numbers_and_names_and_the_free_one_has_neither() {
+        let text = "<mujoco><worldbody><camera name=\"a\"/><camera name=\"b\" pos=\"1 0 0\"/><geom size=\"1\"/></worldbody></mujoco>";
+        let model = Model::from_xml(text).unwrap();
+        let view = |id: Option<i32>, name: Option<&str>| {
+            let common = Common {
+                camera_id: id,
+                camera_name: name.map(str::to_owned),
+                ..Common::default()
+            };
+            format!("{:?}", common.view(&model).unwrap())
+        };
+        let views = [(0, "a"), (1, "b")].map(|(id, name)| {
+            let view = [view(Some(id), None), view(None, Some(name))];
+            assert_eq!(view[0], view[1], "{name}");
+            view[0].clone()
+        });
+        let free = view(None, None);
+        assert_eq!(view(Some(-1), None), free);
+        assert!(views[0] != views[1] && !views.contains(&free));
+    }
+}

@@ -495,3 +495,32 @@ gym_core::register!(
             .kwargs(r#"{"physics": "rapier"}"#)
     ),
 );
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The numbers are those of numpy's generator, in the order of Gymnasium's `_reinit_colors`.
+    #[test]
+    fn random_colors_are_gymnasiums() {
+        let brighter = [1, 0, 2, 1, 1, 1];
+        for (seed, brighter) in (0..).zip(brighter) {
+            let mut rng = Generator::new(&gym_core::Seed::from(seed));
+            let colors = Colors::random(&mut rng);
+            let differences = [0, 1, 2].map(|k| colors.grass[k] - colors.background[k]);
+            let mut expected = [0.0; 3];
+            expected[brighter] = GRASS_DIFFERENCE;
+            for (found, expected) in differences.iter().zip(expected) {
+                assert!((found - expected).abs() < 1e-9, "{seed}: {differences:?}");
+            }
+        }
+        let colors = Colors::random(&mut Generator::new(&gym_core::Seed::from(2)));
+        assert_eq!(
+            [colors.road, colors.background],
+            [
+                [54.93854819235644, 62.683140116965895, 170.98740552479887],
+                [19.30234784837035, 126.02111045278734, 152.99771063047686]
+            ]
+        );
+    }
+}

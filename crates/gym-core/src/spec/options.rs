@@ -33,3 +33,34 @@ impl ResetOptions {
         Err(Error::argument(format!("reset options of `{id}`"), reason))
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use serde_json::json;
+
+    use super::*;
+
+    #[test]
+    fn who_names_options_takes_no_others_and_who_names_none_takes_any() {
+        let given = |names: &[&str]| -> Kwargs {
+            let options = names.iter().map(|name| ((*name).to_owned(), json!(1)));
+            options.collect()
+        };
+        let named = ResetOptions(&[("low", "0.1"), ("high", "0.2")]);
+        for names in [&[][..], &["low"], &["high", "low"]] {
+            named.check("A-v0", &given(names)).unwrap();
+        }
+        for names in [&["lo"][..], &["low", "lo"]] {
+            let error = named.check("A-v0", &given(names)).unwrap_err().to_string();
+            assert!(
+                error.contains("`A-v0`") && error.contains("did you mean `low`"),
+                "{error}"
+            );
+        }
+        for names in [&[][..], &["low"]] {
+            ResetOptions::default()
+                .check("A-v0", &given(names))
+                .unwrap();
+        }
+    }
+}

@@ -24,17 +24,24 @@
 //! is used.
 #![warn(clippy::disallowed_methods)]
 
-mod goals;
 mod reward;
 mod rotation;
 
 pub mod adroit;
 pub mod ant_maze;
-pub mod assets;
-pub mod fetch;
-pub mod kitchen;
 pub mod maze;
 pub mod point_maze;
+
+// a browser has no files, and so none of the models that these need
+#[cfg(not(target_os = "unknown"))]
+pub mod assets;
+#[cfg(not(target_os = "unknown"))]
+pub mod fetch;
+#[cfg(not(target_os = "unknown"))]
+mod goals;
+#[cfg(not(target_os = "unknown"))]
+pub mod kitchen;
+#[cfg(not(target_os = "unknown"))]
 pub mod shadow_hand;
 
 pub use reward::RewardType;

@@ -61,13 +61,3 @@ pub(crate) fn mat_to_euler(m: &[f64; 9]) -> [f64; 3] {
 pub(crate) fn quat_to_euler(quat: [f64; 4]) -> [f64; 3] {
     mat_to_euler(&quat_to_mat(quat))
 }
-
-/// The product of two quaternions: `quat_mul`.
-pub(crate) fn quat_mul([w0, x0, y0, z0]: [f64; 4], [w1, x1, y1, z1]: [f64; 4]) -> [f64; 4] {
-    [
-        w0 * w1 - x0 * x1 - y0 * y1 - z0 * z1,
-        w0 * x1 + x0 * w1 + y0 * z1 - z0 * y1,
-        w0 * y1 + y0 * w1 + z0 * x1 - x0 * z1,
-        w0 * z1 + z0 * w1 + x0 * y1 - y0 * x1,
-    ]
-}

@@ -97,7 +97,7 @@ export function gallery(main, engine, environments, hasRobots) {
   const sections = [...families(environments)].map(([family, all]) => {
     const lacking = all.filter(([shown]) => shown.missing);
     // ids from before ale-py had a namespace
-    const isOld = ([shown]) => !shown.name.includes("/") && all.some(([other]) => other.name.includes("/"));
+    const isOld = ([shown]) => family === "Atari" && !shown.name.includes("/");
     const list = h("ul", { class: "tiles" }, all.filter((card) => !card[0].missing && !isOld(card)).map(tile));
     const chips = (cards) => h("ul", { class: "chips" }, cards.map(([{ id, name }]) => h("li", {}, h("a", { href: link(id) }, name.replace(/^[^/]*\//, "")))));
     const rest = lacking.filter((card) => !isOld(card));

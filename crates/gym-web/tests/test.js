@@ -93,7 +93,7 @@ if (parameters.has("single")) {
 
 await test("every environment of the book is in the list", async () => {
   const ids = new Set(environments.map(({ id }) => id));
-  // ids that no browser can run: other physics engines, and other programs
+  // ids that no browser can run: another physics engine
   const others = /^rapier\//;
   const pages = Object.values(await docs());
   if (environments.length < 50 && has("CartPole-v1")) return `(a small module: ${ids.size} ids)`;
@@ -102,6 +102,11 @@ await test("every environment of the book is in the list", async () => {
     for (const [, id] of table.matchAll(/^\| `([^`]+)`/gm)) check(others.test(id) || ids.has(id), `${id} is missing`);
   }
   return `${ids.size} ids`;
+});
+
+await test("the page asks for nothing but ROMs", async () => {
+  const needs = new Set(environments.map(({ missing }) => missing).filter(Boolean));
+  check([...needs].every((what) => what === "ROMs"), `environments need ${[...needs]}`);
 });
 
 for (const { id, missing } of environments) {
@@ -266,6 +271,7 @@ await testOf("Hopper-v5", "a link brings back an episode of a robot, to the last
 });
 
 await testOf("MountainCar-v0", "arguments that are refused are told in words", async () => {
+  await open("#/MountainCar-v0", ".arguments");
   const input = find("#argument-goal_velocity");
   input.value = "";
   find(".arguments").requestSubmit();

@@ -32,10 +32,9 @@ use mujoco_engine::math::{add, mul_quat, quat_to_mat, rotate};
 use mujoco_engine::{Data, Model};
 use serde::{Deserialize, Serialize};
 
-use super::pose::{Pose, draw_any, draw_upright, parallel, unit};
+use super::pose::{Pose, draw_any, draw_upright, parallel, quat_mul, unit};
 use super::{ALLOCATES, Hand, camera, make, registered};
 use crate::RewardType;
-use crate::rotation::quat_mul;
 
 /// How far from the object the goal is, in m along x, y and z.
 const TARGET_RANGE: [[f64; 2]; 3] = [[-0.04, 0.04], [-0.06, 0.02], [0.0, 0.06]];

@@ -8,7 +8,7 @@ use std::f64::consts::{FRAC_PI_2, PI};
 
 use crate::RewardType;
 use crate::goals::distance;
-use crate::rotation::{euler_to_quat, mat_to_euler, quat_mul, quat_to_euler};
+use crate::rotation::{euler_to_quat, mat_to_euler, quat_to_euler};
 
 /// Goals that are reached by place and rotation.
 #[derive(Clone, Copy, Debug)]
@@ -154,5 +154,15 @@ fn euler_to_mat(euler: [f64; 3]) -> [f64; 9] {
         sj * cc + ss,
         sj * sc - cs,
         cj * ck,
+    ]
+}
+
+/// The product of two quaternions: `quat_mul`.
+pub(super) fn quat_mul([w0, x0, y0, z0]: [f64; 4], [w1, x1, y1, z1]: [f64; 4]) -> [f64; 4] {
+    [
+        w0 * w1 - x0 * x1 - y0 * y1 - z0 * z1,
+        w0 * x1 + x0 * w1 + y0 * z1 - z0 * y1,
+        w0 * y1 + y0 * w1 + z0 * x1 - x0 * z1,
+        w0 * z1 + z0 * w1 + x0 * y1 - y0 * x1,
     ]
 }

@@ -90,6 +90,20 @@ pub(crate) fn play(arguments: &Arguments) -> Result<()> {
         ));
     }
     let mut session = Session::start(arguments)?;
+    let played = game(&mut session, arguments);
+    if played.is_err() && session.trace.events.len() < 2 {
+        // nothing was played: there is nothing to record
+        if let Some(video) = session.video {
+            video.abandon();
+        }
+        return played;
+    }
+    // finish the recordings even if the game ended with an error
+    played.and(session.finish(arguments))
+}
+
+/// Plays in the terminal or in a window, with the keys of the environment and of the user.
+fn game(session: &mut Session, arguments: &Arguments) -> Result<()> {
     let mut keys = keys::of(&session.trace.id, &session.env)?;
     for (i, (key, action)) in arguments.keys.iter().enumerate() {
         let is_it = |(other, _): &(String, Json)| other.eq_ignore_ascii_case(key);
@@ -108,13 +122,11 @@ pub(crate) fn play(arguments: &Arguments) -> Result<()> {
         keys::check(&keys, &session.env.action_space())?;
         say(format_args!("{}", keys::describe(&keys)))?;
     }
-    let played = if arguments.terminal {
-        in_terminal(&mut session, &keys)
+    if arguments.terminal {
+        in_terminal(session, &keys)
     } else {
-        in_window(&mut session, &keys, arguments)
-    };
-    // finish the recordings even if the game ended with an error
-    played.and(session.finish(arguments))
+        in_window(session, &keys, arguments)
+    }
 }
 
 /// The running game and its recordings.

@@ -1,6 +1,7 @@
 //! `cargo xtask replay TRACE...`
 
 use std::collections::{BTreeMap, BTreeSet};
+use std::fs;
 use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 
@@ -29,7 +30,6 @@ pub(crate) fn replay(arguments: &Arguments) -> Result<()> {
             let reason = format!("`{}` is not a folder: choose another name", out.display());
             return Err(Error::argument("--out", reason));
         }
-        std::fs::create_dir_all(out).map_err(|error| Error::io(out, error))?;
         written = destinations(&arguments.traces, out)?;
     }
     let mut failed = 0;
@@ -145,8 +145,8 @@ fn compare(path: &Path) -> Result<String> {
     })
 }
 
-/// Writes the recording `path` with new answers to `to`. The other entries of the file, such as the
-/// policy, stay.
+/// Writes the recording `path` with new answers to `to`, whose folder is made if there is none. The
+/// other entries of the file, such as the policy, stay.
 fn write_answers(path: &Path, to: &Path) -> Result<()> {
     let text = read(path)?;
     let not_json = |error: serde_json::Error| Error::custom(format!("not a recording: {error}"));
@@ -173,7 +173,11 @@ fn write_answers(path: &Path, to: &Path) -> Result<()> {
             })
         }
     };
-    file::write(to, &json.map_err(not_json)?)
+    let json = json.map_err(not_json)?;
+    if let Some(folder) = to.parent() {
+        fs::create_dir_all(folder).map_err(|error| Error::io(folder, error))?;
+    }
+    file::write(to, &json)
 }
 
 /// The events of a trace, and the other entries of its file.
@@ -191,9 +195,9 @@ mod tests {
     #[test]
     fn a_file_that_is_not_text_is_named_and_a_byte_order_mark_is_not_part_of_it() {
         let path = std::env::temp_dir().join(format!("gym-cli-bom-{}.json", std::process::id()));
-        std::fs::write(&path, "\u{feff}{}").unwrap();
+        fs::write(&path, "\u{feff}{}").unwrap();
         assert_eq!(read(&path).unwrap(), "{}");
-        std::fs::write(&path, [0xff, 0xfe, b'{', 0]).unwrap();
+        fs::write(&path, [0xff, 0xfe, b'{', 0]).unwrap();
         let error = read(&path).unwrap_err().to_string();
         assert!(error.contains("not text in UTF-8"), "{error}");
         // a file cannot be the folder for answers
@@ -203,7 +207,7 @@ mod tests {
         };
         let error = replay(&arguments).unwrap_err().to_string();
         assert!(error.contains("is not a folder"), "{error}");
-        std::fs::remove_file(&path).unwrap();
+        fs::remove_file(&path).unwrap();
     }
 
     /// A pipe would wait for a writer.
@@ -215,7 +219,7 @@ mod tests {
         assert!(made.unwrap().success());
         let error = read(&path).unwrap_err().to_string();
         assert!(error.contains("not a regular file"), "{error}");
-        std::fs::remove_file(&path).unwrap();
+        fs::remove_file(&path).unwrap();
     }
 
     /// The same recording may be given twice. Two recordings may not have the same file name.

@@ -73,6 +73,73 @@ fn what_cannot_be_done_is_said_before_anything_is_played() {
 }
 
 /// The options of a command reach the environment, the policy and the file.
+/// Neither a file nor a folder is left by a command that fails, and what was there stays.
+#[test]
+fn a_command_that_fails_leaves_nothing() {
+    let folder = folder("leaves-nothing");
+    let there = [
+        ("file", "text"),
+        ("cut.json", "{\"id\":"),
+        ("cut.xml", "<mujoco><worldbody><geom/></worldbody></mujoco>"),
+        (
+            "m.xml",
+            "<mujoco><worldbody><body><freejoint/><geom size=\".1\"/></body></worldbody></mujoco>",
+        ),
+    ];
+    for (name, text) in there {
+        std::fs::write(folder.join(name), text).unwrap();
+    }
+    for line in [
+        "replay none --out to",
+        "replay cut.json file none --out to/deep",
+        "replay / --out to",
+        "gif Nope-v1 --out to.gif",
+        "gif CartPole-v1 --out to.txt",
+        "gif CartPole-v1 --out none/to.gif",
+        "gif CartPole-v1 --kwargs {\"length\":0} --out to.gif",
+        "run Nope-v1 --json to.json --plot to.svg",
+        "run CartPole-v1 --json to.json --plot to.txt",
+        "run CartPole-v1 --json to.json --plot none/to.svg",
+        "run CartPole-v1 --json to.svg --plot to.svg",
+        "new 9 --path to",
+        "new ok --path file/to",
+        "new ok --path file",
+        "bench Nope-v1 --json to.json",
+        "bench CartPole-v1 --json none/to.json",
+        "mjcf cut.xml --out to.png",
+        "mjcf m.xml --out to.gif",
+        "mjcf m.xml --out to.png --camera none",
+        "mjcf m.xml --out none/to.png",
+        "demo --out file",
+        "demo --out file/to",
+        "demo --out to --episodes 0",
+        "play Nope-v1 --terminal --record to.gif --trace to.json",
+        "play CartPole-v1 --terminal --record to.gif --trace to.json",
+        "play FrozenLake-v1 --terminal --record to.gif --trace to.json --key A=9",
+        "play FrozenLake-v1 --terminal --record to.gif --trace to.json --key A=1 --key a=2",
+        "play FrozenLake-v1 --terminal --record to.gif --trace none/to.json",
+        "play FrozenLake-v1 --terminal --record to.txt --trace to.json",
+    ] {
+        let arguments = line.split(' ');
+        let output = program()
+            .args(arguments)
+            .current_dir(&folder)
+            .output()
+            .unwrap();
+        assert!(
+            !output.status.success() && !output.stderr.is_empty(),
+            "{line}"
+        );
+        let names = std::fs::read_dir(&folder).unwrap();
+        let mut names: Vec<_> = names.map(|entry| entry.unwrap().file_name()).collect();
+        names.sort();
+        assert_eq!(names, ["cut.json", "cut.xml", "file", "m.xml"], "{line}");
+    }
+    for (name, text) in there {
+        assert_eq!(std::fs::read_to_string(folder.join(name)).unwrap(), text);
+    }
+}
+
 #[test]
 fn gif_follows_its_options() {
     let out = folder("gif");

@@ -3,6 +3,7 @@
 mod commands;
 mod documents;
 mod files;
+mod lines;
 mod plugin;
 mod replay;
 

@@ -225,6 +225,12 @@ fn damaged_arrays_are_refused() {
             "height field 0 has 3 rows and 3 columns, and there are 6",
         ),
         ("hfield_nrow", "[0]", "height field 0 has 0 rows"),
+        // 2^63 + 3: the product with the rows wraps around to 6
+        (
+            "hfield_ncol",
+            "[9223372036854775811]",
+            "height field 0 has 2 rows and 9223372036854775811 columns",
+        ),
         (
             "hfield_nrow",
             "[1]",

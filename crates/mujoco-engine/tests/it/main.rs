@@ -16,6 +16,7 @@ mod memory;
 mod meshes;
 mod mjcf;
 mod numbers;
+mod polygons;
 mod rays;
 mod sleep;
 mod sparse;

@@ -32,6 +32,19 @@ const TEXT: &str = r#"<mujoco>
   <keyframe><key time="1" qpos=".1"/></keyframe>
 </mujoco>"#;
 
+/// Numbers of the model that may not be negative, not 0, and not 200.
+const NEGATIVE: &str = "body_mass/3 body_inertia/3/1 jnt_margin/0 jnt_stiffness/1 dof_armature/0 dof_damping/1 dof_frictionloss/0 \
+                    geom_rbound/1 geom_solmix/0 geom_friction/2/2 tendon_stiffness/1 tendon_damping/1 tendon_frictionloss/0 \
+                    sensor_cutoff/0 sensor_noise/0 opt/tolerance opt/ls_tolerance opt/noslip_tolerance opt/density opt/viscosity \
+                    opt/impratio opt/timestep stat/extent wrap_prm/5 cam_fovy/0 \
+                    jnt_solref/0/1 \
+                    dof_solref/0/0 geom_solref/3/1 eq_solref/0/0 pair_solref/0/0 tendon_solref_lim/0/0 tendon_solref_fri/0/1";
+const ZERO: &str = "body_mass/3 body_inertia/2/0 opt/impratio opt/timestep geom_size/1/0 jnt_solref/0/0 cam_fovy/0";
+const LARGE: &str = "body_inertia/3/0 jnt_range/1/0 tendon_range/0/0 jnt_actfrcrange/0/0 \
+                 tendon_actfrcrange/0/0 actuator_ctrlrange/0/0 actuator_forcerange/0/0 actuator_actrange/3/0 actuator_lengthrange/2/0 \
+                 tendon_lengthspring/1/0 geom_quat/1/2 body_quat/2/0 body_iquat/3/1 site_quat/0/3 cam_quat/0/0 jnt_axis/0/0 \
+                 geom_matid/0 cam_targetbodyid/0 wrap_prm/3 pair_dim/0 body_mocapid/1 cam_fovy/0 cam_mode/0";
+
 /// The quaternions of the objects of a kind.
 type Quats = fn(&mut CompiledModel) -> &mut Vec<[f64; 4]>;
 
@@ -67,23 +80,49 @@ fn refuses(change: impl Fn(&mut CompiledModel), message: &str) {
     assert_eq!(*changed, *m);
 }
 
+/// What is refused of one object is refused of each of its kind, from the first to the last.
+#[test]
+fn what_is_refused_of_one_object_is_refused_of_all() {
+    let m = model();
+    let figures = serde_json::to_value(&*m).unwrap();
+    let mut accepted = Vec::new();
+    for (fields, number) in [
+        (NEGATIVE, json!(-1.0)),
+        (ZERO, json!(0.0)),
+        (LARGE, json!(200)),
+    ] {
+        for field in fields.split_whitespace() {
+            let parts: Vec<&str> = field.split('/').collect();
+            let Some(all) = figures[parts[0]].as_array() else {
+                continue;
+            };
+            for i in 0..all.len() {
+                let rest: String = parts[2..].iter().map(|part| format!("/{part}")).collect();
+                let field = format!("{}/{i}{rest}", parts[0]);
+                if Model::new(changed(&m, &format!("/{field}"), &number)).is_ok() {
+                    accepted.push(format!("{field}={number}"));
+                }
+            }
+        }
+    }
+    // what has no range, weightless bodies that stand still, planes, and wrapped objects of other kinds
+    accepted.retain(|field| !field.starts_with("wrap_prm"));
+    let without = "body_mass/0=0.0 body_mass/1=0.0 body_inertia/0/0=0.0 body_inertia/1/0=0.0 geom_size/0/0=0.0 tendon_range/1/0=200 \
+                   jnt_actfrcrange/1/0=200 jnt_actfrcrange/2/0=200 jnt_actfrcrange/3/0=200 tendon_actfrcrange/1/0=200 \
+                   actuator_forcerange/1/0=200 actuator_forcerange/2/0=200 actuator_forcerange/3/0=200 \
+                   actuator_actrange/0/0=200 actuator_actrange/1/0=200 actuator_actrange/2/0=200 \
+                   actuator_lengthrange/0/0=200 actuator_lengthrange/1/0=200 actuator_lengthrange/3/0=200 \
+                   jnt_axis/2/0=200 jnt_axis/3/0=200";
+    let without: Vec<_> = without.split_whitespace().collect();
+    assert_eq!(accepted, without);
+}
+
 #[test]
 fn what_mjcf_refuses_is_refused_everywhere() {
-    let negative = "body_mass/3 body_inertia/3/1 jnt_margin/0 jnt_stiffness/1 dof_armature/0 dof_damping/1 dof_frictionloss/0 \
-                    geom_rbound/1 geom_solmix/0 geom_friction/2/2 tendon_stiffness/1 tendon_damping/1 tendon_frictionloss/0 \
-                    sensor_cutoff/0 sensor_noise/0 opt/tolerance opt/ls_tolerance opt/noslip_tolerance opt/density opt/viscosity \
-                    opt/impratio opt/timestep stat/extent wrap_prm/5 cam_fovy/0 \
-                    jnt_solref/0/1 \
-                    dof_solref/0/0 geom_solref/3/1 eq_solref/0/0 pair_solref/0/0 tendon_solref_lim/0/0 tendon_solref_fri/0/1";
-    let zero = "body_mass/3 body_inertia/2/0 opt/impratio opt/timestep geom_size/1/0 jnt_solref/0/0 cam_fovy/0";
-    let large = "body_inertia/3/0 jnt_range/1/0 tendon_range/0/0 jnt_actfrcrange/0/0 \
-                 tendon_actfrcrange/0/0 actuator_ctrlrange/0/0 actuator_forcerange/0/0 actuator_actrange/3/0 actuator_lengthrange/2/0 \
-                 tendon_lengthspring/1/0 geom_quat/1/2 body_quat/2/0 body_iquat/3/1 site_quat/0/3 cam_quat/0/0 jnt_axis/0/0 \
-                 geom_matid/0 cam_targetbodyid/0 wrap_prm/3 pair_dim/0 body_mocapid/1 cam_fovy/0 cam_mode/0";
     for (fields, number) in [
-        (negative, json!(-1.0)),
-        (zero, json!(0.0)),
-        (large, json!(200)),
+        (NEGATIVE, json!(-1.0)),
+        (ZERO, json!(0.0)),
+        (LARGE, json!(200)),
     ] {
         for field in fields.split_whitespace() {
             let name = field.replacen("opt/", "opt.", 1);

@@ -198,7 +198,7 @@ pub(super) fn plane_neighbours(
 }
 
 /// The contacts of a plane and a mesh from 4.0 on, at most four: corners of the polygon at the
-/// lowest vertex that looks most toward the plane.
+/// lowest vertex that looks most toward the plane, if they are not above the geom's centre.
 pub(super) fn plane_polygon(
     plane: Shape<'_>,
     shape: Shape<'_>,
@@ -235,8 +235,10 @@ pub(super) fn plane_polygon(
         keep(polygon, largest(polygon, 1, area));
     }
     for &corner in polygon.iter() {
-        let hit = plane_point(plane, at(corner));
-        if hit.dist <= margin && dot(local, corner) > 0.0 {
+        let point = at(corner);
+        let hit = plane_point(plane, point);
+        // a corner above the geom's centre is none
+        if hit.dist <= margin && dot(plane.axis(), sub(point, shape.pos)) <= 0.0 {
             push(hit);
         }
     }

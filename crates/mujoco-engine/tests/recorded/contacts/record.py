@@ -68,11 +68,13 @@ def models():
         "prism": corners((0.125 * math.cos(k * math.pi / 3), 0.125 * math.sin(k * math.pi / 3), z) for z in (-0.1, 0.1) for k in range(6)),
         "pebble": corners(pebble(40)),
     }
+    # on a tip, four faces look down alike
+    level = {**meshes, "octahedron": ".1 0 0 -.1 0 0 0 .1 0 0 -.1 0 0 0 .1 0 0 -.1"}
 
     def with_meshes(first, second, world="", option=""):
         heavy = '<inertial pos="0 0 0" mass="1" diaginertia="1 1 1"/>'
         bodies = "".join(f"<body><freejoint/>{heavy}{geoms}</body>" for geoms in (first, second))
-        used = {name: vertices for name, vertices in meshes.items() if f'mesh="{name}"' in bodies}
+        used = {name: vertices for name, vertices in level.items() if f'mesh="{name}"' in bodies}
         asset = "".join(f'<mesh name="{name}" inertia="shell" vertex="{vertices}"/>' for name, vertices in used.items())
         return f"<mujoco>{option}<asset>{asset}</asset><worldbody>{world}{bodies}</worldbody></mujoco>"
 
@@ -94,6 +96,8 @@ def models():
         for margin in ("", ' margin=".02" gap=".01"'):
             text = with_meshes(beside, geom, ground.format(margin))
             yield f"field-{name}{'-margin' if margin else ''}", text.replace("<worldbody>", f"<asset>{field}</asset><worldbody>")
+    for name in level:
+        yield f"{name}-level", with_meshes(beside, mesh(name), floor.format("0 0 0"))
     for name, shape in SHAPES.items():
         yield f"{name}-floor", two(beside, shape, floor.format("0 0 0"))
         yield f"{name}-slope", two(beside, shape, floor.format("30 20 10"))

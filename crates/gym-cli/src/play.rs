@@ -118,7 +118,7 @@ fn game(session: &mut Session, arguments: &Arguments) -> Result<()> {
         Some(Json::Null) => keys.idle = Idle::Wait,
         Some(action) => keys.idle = Idle::Action(action.clone()),
     }
-    if arguments.terminal || !has_sliders(&session.env) || !keys.actions.is_empty() {
+    if arguments.terminal || !has_sliders(&session) || !keys.actions.is_empty() {
         keys::check(&keys, &session.env.action_space())?;
         say(format_args!("{}", keys::describe(&keys)))?;
     }
@@ -320,12 +320,12 @@ fn in_terminal(session: &mut Session, keys: &Keys) -> Result<()> {
 }
 
 /// Whether a window has a slider for each number of an action.
-fn has_sliders(env: &BoxEnv) -> bool {
+fn has_sliders(session: &Session) -> bool {
     #[cfg(all(feature = "human", feature = "families"))]
-    return sliders::sliders(env).is_some();
+    return sliders::sliders(&session.trace.id, &session.env).is_some();
     #[cfg(not(all(feature = "human", feature = "families")))]
     {
-        let _ = env;
+        let _ = session;
         false
     }
 }
@@ -333,7 +333,7 @@ fn has_sliders(env: &BoxEnv) -> bool {
 #[cfg(feature = "human")]
 fn in_window(session: &mut Session, keys: &Keys, arguments: &Arguments) -> Result<()> {
     #[cfg(feature = "families")]
-    if let Some(sliders) = sliders::sliders(&session.env) {
+    if let Some(sliders) = sliders::sliders(&session.trace.id, &session.env) {
         return sliders::play(session, keys, arguments, sliders);
     }
     say(format_args!("R = restart, Escape = quit"))?;

@@ -26,9 +26,9 @@ pub(super) struct Slider {
     value: f64,
 }
 
-/// The sliders of an environment on a MuJoCo model; `None` for others, and for actions that are not
-/// some numbers in ranges.
-pub(super) fn sliders(env: &BoxEnv) -> Option<Vec<Slider>> {
+/// The sliders of the environment `id` on a MuJoCo model, by the names of its registration; `None` for
+/// others, and for actions that are not some numbers in ranges.
+pub(super) fn sliders(id: &str, env: &BoxEnv) -> Option<Vec<Slider>> {
     let model = &env.layer::<SimEnv>()?.simulation().model;
     let gym::Space::Box(space) = env.action_space() else {
         return None;
@@ -37,14 +37,17 @@ pub(super) fn sliders(env: &BoxEnv) -> Option<Vec<Slider>> {
     if space.shape().len() != 1 || !(1..=MOST).contains(&count) {
         return None;
     }
+    let names = gym::registry::find(id).ok()?.page.names;
+    let names = names.map_or_else(Vec::new, |names| names(env).action);
     let ranges = space.low().iter_f64().zip(space.high().iter_f64());
     let slider = |(i, (low, high)): (usize, (f64, f64))| {
         let is_bounded = low.is_finite() && high.is_finite();
         is_bounded.then(|| Slider {
-            // an action that is not the controls has numbers of its own
-            name: match count == model.nu() {
-                true => viewer::name(model, ObjectType::Actuator, i),
-                false => format!("action {i}"),
+            name: match names.get(i) {
+                Some(name) => name.clone(),
+                None if count == model.nu() => viewer::name(model, ObjectType::Actuator, i),
+                // an action that is not the controls has numbers of its own
+                None => format!("action {i}"),
             },
             range: [low, high],
             value: rest([low, high]),
@@ -261,11 +264,11 @@ mod tests {
     }
 
     #[test]
-    fn actions_of_robots_have_sliders_with_the_names_of_actuators() {
-        let of = |id: &str| sliders(&gym::make(id).unwrap());
+    fn actions_of_robots_have_sliders_with_the_names_of_the_registration() {
+        let of = |id: &str| sliders(id, &gym::make(id).unwrap());
         let humanoid = of("Humanoid-v5").unwrap();
         assert_eq!(humanoid.len(), 17);
-        assert_eq!(humanoid[0].name, "abdomen_y");
+        assert_eq!(humanoid[0].name, "torque of abdomen_y (100 N m)");
         assert_eq!(humanoid[0].range.map(|x| (x * 10.0).round()), [-4.0, 4.0]);
         assert_eq!(of("dm_control/walker-walk-v0").unwrap().len(), 6);
         assert!(of("AdroitHandDoor-v1").unwrap().len() > 20);
@@ -277,7 +280,7 @@ mod tests {
         let arguments = arguments("InvertedPendulum-v5 --seed 1");
         let mut session = Session::start(&arguments).unwrap();
         let keys = Keys::new(json!({"A": [2.0]}));
-        let sliders = sliders(&session.env).unwrap();
+        let sliders = sliders(&session.trace.id, &session.env).unwrap();
         let mut stage = Stage::new(&mut session, &keys, sliders);
         let mut frame = Frame::new(900, 480).unwrap();
         let mut input = Input::default();

@@ -160,13 +160,17 @@ impl Viewer {
         if let Some(pull) = &self.pull {
             pull.apply(&self.model, &mut self.data);
         }
-        step(&self.model, &mut self.data);
-        let Data {
-            qpos, qvel, time, ..
-        } = &self.data;
-        // the engine resets a state that diverged: then time starts again
         let is_near = |numbers: &[f64]| numbers.iter().all(|x| x.abs() <= MAXVAL);
-        if !(*time > before && is_near(qpos) && is_near(qvel)) {
+        let is_state_near = |data: &Data| is_near(&data.qpos) && is_near(&data.qvel);
+        // The engine resets a state that diverges: then time starts again. In the first timestep, which
+        // time does not tell from one after a reset, the accelerations do.
+        let mut goes_on = true;
+        if before < self.model.opt.timestep {
+            forward(&self.model, &mut self.data);
+            goes_on = is_state_near(&self.data) && is_near(&self.data.qacc);
+        }
+        step(&self.model, &mut self.data);
+        if !(goes_on && self.data.time > before && is_state_near(&self.data)) {
             self.reset();
             return Err(Error::custom(format!(
                 "the simulation diverged at {before:.4} s, and was reset: try a smaller timestep than {} s, or smaller \

@@ -338,6 +338,16 @@ fn a_simulation_that_diverges_says_so() {
 }
 
 #[test]
+fn a_simulation_that_diverges_at_once_says_so() {
+    let mut viewer = viewer(ARM);
+    viewer.set_control(0, 1e10).unwrap();
+    let error = viewer.step(1).unwrap_err().to_string();
+    assert!(error.contains("diverged at 0.0000 s"), "{error}");
+    assert_eq!((viewer.data().time, viewer.data().ctrl[0]), (0.0, 0.0));
+    viewer.step(10).unwrap();
+}
+
+#[test]
 fn a_step_allocates_nothing() {
     let mut viewer = viewer(ARM);
     viewer.step(100).unwrap();

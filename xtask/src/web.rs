@@ -93,12 +93,12 @@ pub(crate) fn web(arguments: &[OsString]) -> Result<(), String> {
         return say(format_args!("{USAGE}"));
     }
     check_target()?;
-    let only = match (options.small, options.robot) {
-        (_, true) => Some("robot"),
-        (true, false) => Some("small"),
-        _ => None,
+    let feature = match (options.small, options.robot) {
+        (_, true) => "compiled",
+        (true, false) => "small",
+        _ => "families",
     };
-    let module = build(options.plugin.as_deref(), only)?;
+    let module = build(options.plugin.as_deref(), feature)?;
     let folder = if options.robot { "web-robot" } else { "web" };
     let out = options.out.unwrap_or_else(|| target_dir().join(folder));
     let page = Page::read(&module, options.plugin.is_none() && !options.robot)?;
@@ -159,8 +159,9 @@ fn check_target() -> Result<(), String> {
     ))
 }
 
-/// Builds the WebAssembly module, of this workspace with `only` a feature, and returns its path.
-fn build(plugin: Option<&Path>, only: Option<&str>) -> Result<PathBuf, String> {
+/// Builds the WebAssembly module, of this workspace with a feature, or of a plugin, and returns its
+/// path.
+fn build(plugin: Option<&Path>, feature: &str) -> Result<PathBuf, String> {
     let mut cargo = Command::new(cargo());
     cargo
         .arg("--config")
@@ -182,10 +183,8 @@ fn build(plugin: Option<&Path>, only: Option<&str>) -> Result<PathBuf, String> {
         None => {
             cargo
                 .args(["--package", "gym-web", "--manifest-path"])
-                .arg(root().join("Cargo.toml"));
-            if let Some(feature) = only {
-                cargo.args(["--no-default-features", "--features", feature]);
-            }
+                .arg(root().join("Cargo.toml"))
+                .args(["--no-default-features", "--features", feature]);
             "gym_web.wasm".to_owned()
         }
         Some(folder) => {
@@ -195,8 +194,16 @@ fn build(plugin: Option<&Path>, only: Option<&str>) -> Result<PathBuf, String> {
         }
     };
     // Export the constructors that register the environments, so that the page can call them once.
-    // Otherwise the linker inserts a call of all constructors into each exported function.
-    cargo.args(["--", "-C", "link-arg=--export=__wasm_call_ctors"]);
+    // Otherwise the linker inserts a call of all constructors into each exported function. By default
+    // the number of each function and address takes five bytes, however small it is.
+    cargo.arg("--");
+    for argument in [
+        "--export=__wasm_call_ctors",
+        "--compress-relocations",
+        "-O2",
+    ] {
+        cargo.arg("-C").arg(format!("link-arg={argument}"));
+    }
     let status = cargo
         .status()
         .map_err(|error| format!("cargo cannot be run: {error}"))?;

@@ -5,8 +5,10 @@ use std::sync::Arc;
 
 use gym::render::{Frame, Painter as _, Raster};
 use gym::{Error, Result};
+#[cfg(feature = "compiled")]
+use gym_sim::engine::CompiledModel;
 use gym_sim::engine::model::{GeomType, ObjectType};
-use gym_sim::engine::{CompiledModel, Model, Revision};
+use gym_sim::engine::{Model, Revision};
 use gym_sim::keyframes;
 use gym_sim::viewer::{Viewer, name};
 use serde::Deserialize;
@@ -33,6 +35,7 @@ pub(crate) enum Request {
     /// Opens the model in a file.
     Open { main: String },
     /// Opens a compiled model, whose JSON is attached, at its keyframe `now`.
+    #[cfg(feature = "compiled")]
     Compiled,
     /// Advances by `seconds` at the current speed, but by at most `most` timesteps.
     Advance { seconds: f64, most: usize },
@@ -97,6 +100,7 @@ impl Robot {
                 let model = Model::from_files(&self.files, &main, Revision::default());
                 return self.show(model.map_err(refused)?);
             }
+            #[cfg(feature = "compiled")]
             Request::Compiled => {
                 self.viewer = None;
                 let model: CompiledModel = serde_json::from_slice(bytes)
@@ -318,6 +322,7 @@ mod tests {
     }
 
     /// A notebook gives a compiled model, whose keyframe `now` is the state at first.
+    #[cfg(feature = "compiled")]
     #[test]
     fn a_compiled_model_begins_now() {
         let mesh = "<mesh name=\"tip\" vertex=\"0 0 0 1 0 0 0 1 0 0 0 1\"/>";

@@ -354,7 +354,8 @@ export async function robotTests({ test, open, find, text, until, button, check,
     // by the module alone: how often a browser without display shows them says nothing
     await open("#/robot", ".robot-drop");
     const frames = await rate(model);
-    check(frames > 1, `${frames.toFixed(1)} frames a second`);
+    // 20 and more on a core of its own, fewer on a busy machine
+    check(frames >= 8, `${frames.toFixed(1)} frames a second`);
     return `${frames.toFixed(1)} frames a second`;
   });
 }

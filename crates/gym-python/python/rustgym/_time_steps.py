@@ -32,6 +32,8 @@ class TimeSteps:
     def __init__(self, num_envs: int, max_episode_steps: int | None, env_id: str, kwargs: dict[str, Any]) -> None:
         self._elapsed = np.zeros(num_envs, np.int64)
         self._has_ended = np.zeros(num_envs, np.bool_)
+        self._ongoing = np.ones(num_envs), np.full(num_envs, StepType.MID, dtype=object)
+        self._everywhere = np.ones(num_envs, np.bool_)
         self._limit = -1
         if max_episode_steps is not None and max_episode_steps >= 0:
             env = class_of(env_id)(**kwargs)
@@ -47,8 +49,14 @@ class TimeSteps:
 
     def step(self, envs: VectorEnv, terminated: Any, truncated: Any, infos: dict[str, Any], ids: Any = None) -> None:
         """Adds to the infos of a step of the environments ``ids``; of all unless given."""
+        ended = terminated | truncated
+        # in most steps no episode ends or starts: those take the shortest way
+        if ids is None and not np.count_nonzero(ended) and not np.count_nonzero(self._has_ended):
+            self._elapsed += 1
+            self._fill(infos, *(column.copy() for column in self._ongoing))
+            return
         rows = np.arange(envs.num_envs) if ids is None else np.asarray(ids)
-        mode, ended, due = envs.autoreset_mode, terminated | truncated, self._has_ended[rows]
+        mode, due = envs.autoreset_mode, self._has_ended[rows]
         self._elapsed[rows] += 1
         self._has_ended[rows] = ended
         discounts = np.where(terminated, 0.0, 1.0)
@@ -57,8 +65,7 @@ class TimeSteps:
         starts = due if mode is AutoresetMode.NEXT_STEP else ended & (mode is AutoresetMode.SAME_STEP)
         self._elapsed[rows[starts]] = 0
         if ids is None and not starts.any():
-            for key, column in (("timestep.discount", discounts), ("timestep.step_type", types)):
-                infos[key], infos[f"_{key}"] = column, np.ones(envs.num_envs, np.bool_)
+            self._fill(infos, discounts, types)
             return
         infos.pop("final_info", None), infos.pop("_final_info", None)
         for row, index in enumerate(rows):
@@ -66,3 +73,7 @@ class TimeSteps:
             if starts[row] and mode is AutoresetMode.SAME_STEP:
                 envs._add_info(infos, {"final_info": info}, index)
             envs._add_info(infos, _START if starts[row] else info, index)
+
+    def _fill(self, infos: dict[str, Any], discounts: Any, types: Any) -> None:
+        infos["timestep.discount"], infos["_timestep.discount"] = discounts, self._everywhere.copy()
+        infos["timestep.step_type"], infos["_timestep.step_type"] = types, self._everywhere.copy()

@@ -175,32 +175,6 @@ impl Constraints {
         }
     }
 
-    /// Replaces all rows by `rows` inequality rows of one tree. `jac` has the Jacobian of each row,
-    /// `nv` numbers; `numbers` returns `d`, `r` and `aref` of a row.
-    pub(super) fn set_rows(
-        &mut self,
-        rows: usize,
-        nv: usize,
-        mut jac: impl Iterator<Item = f64>,
-        numbers: impl Fn(usize) -> [f64; 3],
-    ) {
-        self.clear();
-        push_block(self, Source::Limit(0), Kind::OneSided, rows, self.stride, 0);
-        self.nisland = 1;
-        self.island.resize(rows, 0);
-        for column in columns!(self) {
-            column.resize(rows, 0.0);
-        }
-        for row in 0..rows {
-            [self.d[row], self.r[row], self.aref[row]] = numbers(row);
-        }
-        for row in self.jac.chunks_exact_mut(self.stride) {
-            let elements = &mut row.as_flattened_mut()[..nv];
-            let elements = elements.iter_mut().zip(&mut jac);
-            elements.for_each(|(to, x)| *to = x);
-        }
-    }
-
     /// The Jacobian, row by row.
     #[inline]
     pub(crate) fn jacobian(&self) -> &[Lanes] {

@@ -1,13 +1,10 @@
-//! Constraint forces, world by world: of models whose constraints have no stages for several worlds,
-//! and by projected Gauss-Seidel, which visits rows in an order that depends on their number.
+//! Constraint forces, world by world: of models whose constraints have no stages for several worlds.
 
 use fearless_simd::Simd;
-use gym_numerics::math::{Lanes, Real};
 
 use super::rows::worlds;
-use super::{Arrays, At, PerWorld, Rows, copy, load, same, store, tree};
+use super::{Arrays, At, PerWorld, Rows, copy, same, store};
 use crate::math::libm::wide;
-use crate::physics::solver::forces_of_one_tree;
 use crate::physics::{fwd_constraint, make_constraint, reference_constraint, tendon};
 use crate::{Data, Model};
 
@@ -46,32 +43,9 @@ impl Alone {
                 }
             },
         );
-        if rows.lists {
-            for world in worlds(rows.touched, at.1) {
-                self.constrain(m, a, rows, world);
-            }
-            return;
+        for world in worlds(rows.touched, at.1) {
+            self.constrain(m, a, rows, world);
         }
-        let mut has = PerWorld::ZERO;
-        for world in at.1..at.1 + Lanes::<S>::LANES {
-            if rows.count[world] > 0 {
-                has.0[world] = 1.0;
-                self.forces(m, a, rows, world);
-            }
-        }
-        simd.vectorize(
-            #[inline(always)]
-            || {
-                let has = load::<S>(at, &has).gt(same(at, 0.0));
-                copy(at, &a.qfrc_constraint, &mut a.qacc);
-                tree::solve(m, at, &a.qld, &a.qld_diag_inv, &mut a.qacc);
-                for (qacc, smooth) in a.qacc.iter_mut().zip(&a.qacc_smooth) {
-                    let smooth = load(at, smooth);
-                    let pushed = load::<S>(at, qacc) + smooth;
-                    store(at, qacc, Lanes::select(has, pushed, smooth));
-                }
-            },
-        );
     }
 
     /// Makes the constraint rows of world `world`, and computes its forces and accelerations.
@@ -114,36 +88,6 @@ impl Alone {
         std::mem::swap(&mut d.contact, &mut rows.contacts[world]);
         rows.count[world] = d.efc.nefc();
         give(&d.qacc, &mut a.qacc, world);
-        self.store(a, world);
-    }
-
-    /// Computes the forces of the constraint rows `rows` of world `world`, and `qfrc_constraint`.
-    fn forces(&mut self, m: &Model, a: &mut Arrays, rows: &Rows, world: usize) {
-        let (d, nv, count) = (&mut *self.data, m.nv(), rows.count[world]);
-        for i in 0..nv {
-            let diagonal = m.plan().m_diagonal(i);
-            d.qm[diagonal] = a.qm[diagonal].0[world];
-        }
-        for (numbers, cells) in [
-            (&mut d.qld, &a.qld),
-            (&mut d.qacc_smooth, &a.qacc_smooth),
-            (&mut d.qacc_warmstart, &a.warm),
-        ] {
-            take(numbers, cells, world);
-        }
-        d.efc.set_rows(
-            count,
-            nv,
-            rows.jac[..count * nv].iter().map(|row| row.0[world]),
-            |row| [&rows.d, &rows.r, &rows.aref].map(|numbers| numbers[row].0[world]),
-        );
-        wide(
-            (m, &mut *d),
-            #[inline(always)]
-            |(m, d)| forces_of_one_tree(m, d),
-            #[inline(always)]
-            |(m, d)| forces_of_one_tree(m, d),
-        );
         self.store(a, world);
     }
 

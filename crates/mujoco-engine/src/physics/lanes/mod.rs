@@ -9,6 +9,7 @@ mod alone;
 mod arrays;
 mod derived;
 mod fits;
+mod gauss_seidel;
 mod group;
 mod newton;
 mod per_world;
@@ -25,6 +26,7 @@ use self::alone::Alone;
 pub(crate) use self::arrays::Arrays;
 pub use self::derived::{Derived, Stride};
 pub(crate) use self::fits::{fits, width};
+use self::gauss_seidel::GaussSeidel;
 pub use self::group::Group;
 use self::newton::Newton;
 use self::per_world::{At, copy, load, same, store};
@@ -42,9 +44,7 @@ use crate::model::{Integrator, Solver};
 pub(crate) struct Batch {
     arrays: Arrays,
     rows: Rows,
-    newton: Newton,
-    /// The solver of models whose worlds solve one by one.
-    alone: Option<Alone>,
+    method: Method,
     /// [`Stride::settles`], and the number of elements of `sensordata` that a step computes.
     settles: bool,
     sensors: usize,
@@ -76,11 +76,38 @@ pub(crate) fn most_len(m: &Model) -> usize {
     record_len(m, &Derived::ALL) + 2 * m.ntendon() + m.nsensordata() + 1
 }
 
+/// How the constraint forces are found.
+#[derive(Clone, Debug)]
+enum Method {
+    Newton(Box<Newton>),
+    GaussSeidel(GaussSeidel),
+    /// World by world.
+    Alone(Alone),
+}
+
+impl Method {
+    fn new(m: &Model) -> Self {
+        match m.opt.solver {
+            _ if !fits::makes_rows(m) => Self::Alone(Alone::new(m)),
+            Solver::PGS => Self::GaussSeidel(GaussSeidel::new(m)),
+            _ => Self::Newton(Box::new(Newton::new(m))),
+        }
+    }
+
+    /// Returns the forces of the constraint rows.
+    fn forces(&self) -> &[PerWorld] {
+        match self {
+            Self::Newton(newton) => newton.forces(),
+            Self::GaussSeidel(gauss_seidel) => &gauss_seidel.force,
+            Self::Alone(alone) => &alone.force,
+        }
+    }
+}
+
 impl Batch {
     /// Allocates worlds whose steps are of the kind `stride`.
     pub(crate) fn new(m: &Model, stride: &Stride) -> Self {
         let sensors = stride.sensors();
-        let solves = fits::makes_rows(m) && m.opt.solver == Solver::Newton;
         let keeps = stride.reads.contains(&Derived::CfrcExt) || sensors::touch(m, sensors);
         Self {
             arrays: Arrays::new(m),
@@ -93,12 +120,7 @@ impl Batch {
                     Derived::GeomXpos | Derived::GeomXmat | Derived::SiteXpos
                 )
             }),
-            newton: if solves {
-                Newton::new(m)
-            } else {
-                Newton::default()
-            },
-            alone: (!solves).then(|| Alone::new(m)),
+            method: Method::new(m),
             cfrc_ext: vec![[0.0; 6]; m.nbody()],
             diverged: 0,
         }
@@ -146,18 +168,10 @@ impl Batch {
         self.rows.count[world]
     }
 
-    /// Returns the forces of the constraint rows.
-    fn forces_of_rows(&self) -> &[PerWorld] {
-        match &self.alone {
-            Some(alone) => &alone.force,
-            None => self.newton.forces(),
-        }
-    }
-
     /// Computes `cfrc_ext` of world `world` from its contacts.
     fn contact_forces(&mut self, m: &Model, world: usize) {
         let mut forces = std::mem::take(&mut self.cfrc_ext);
-        let (a, forces_of_rows) = (&self.arrays, self.forces_of_rows());
+        let (a, forces_of_rows) = (&self.arrays, self.method.forces());
         forces.fill([0.0; 6]);
         for contact in &self.rows.contacts[world] {
             let Ok(row) = usize::try_from(contact.efc_address) else {
@@ -297,8 +311,7 @@ impl Batch {
         let Self {
             arrays,
             rows,
-            newton,
-            alone,
+            method,
             ..
         } = self;
         simd.vectorize(
@@ -308,12 +321,13 @@ impl Batch {
                 rows.reference(m, at, &arrays.qvel);
             },
         );
-        if let Some(alone) = alone {
-            alone.solve(m, at, arrays, rows);
-        } else if rows.used > 0 {
-            newton.solve(m, at, arrays, rows, live);
-        } else {
-            simd.vectorize(
+        match method {
+            Method::Alone(alone) => alone.solve(m, at, arrays, rows),
+            Method::Newton(newton) if rows.used > 0 => newton.solve(m, at, arrays, rows, live),
+            Method::GaussSeidel(gauss_seidel) if rows.used > 0 => {
+                gauss_seidel.solve(m, at, arrays, rows, live);
+            }
+            _ => simd.vectorize(
                 #[inline(always)]
                 || {
                     copy(at, &arrays.qacc_smooth, &mut arrays.qacc);
@@ -321,7 +335,7 @@ impl Batch {
                         store(at, force, same(at, 0.0));
                     }
                 },
-            );
+            ),
         }
     }
 

@@ -111,11 +111,11 @@ macro_rules! by_four {
         }
     };
 }
-use by_four;
+pub(super) use by_four;
 
 /// Returns elements `first..first + K` of the sum of all vectors, each times its factor.
 #[inline(always)]
-fn sums<'a, S: Simd, const K: usize>(
+pub(super) fn sums<'a, S: Simd, const K: usize>(
     at: At<S>,
     first: usize,
     terms: impl Iterator<Item = (&'a [PerWorld], &'a PerWorld)>,

@@ -69,7 +69,7 @@ impl Batch {
             }
             let site = m.sensor_objid[i] as usize;
             for world in worlds.clone() {
-                let (a, forces) = (&self.arrays, self.forces_of_rows());
+                let (a, forces) = (&self.arrays, self.method.forces());
                 let pos = a.site_xpos[site].each_ref().map(|row| row.0[world]);
                 let mat = a.site_xmat[site].each_ref().map(|row| row.0[world]);
                 let felt = touch_of(

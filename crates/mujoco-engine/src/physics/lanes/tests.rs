@@ -35,9 +35,10 @@ impl Batch {
     fn poison(&mut self, m: &Model) {
         self.arrays.poison(m);
         self.rows.poison();
-        self.newton.poison();
-        if let Some(alone) = &mut self.alone {
-            alone.poison();
+        match &mut self.method {
+            Method::Newton(newton) => newton.poison(),
+            Method::GaussSeidel(gauss_seidel) => gauss_seidel.poison(),
+            Method::Alone(alone) => alone.poison(),
         }
         crate::physics::work::Poison::poison(&mut self.cfrc_ext);
     }

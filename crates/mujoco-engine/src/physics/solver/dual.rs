@@ -1,7 +1,8 @@
 //! Projected Gauss-Seidel for models with equality constraints, dry friction or elliptic cones.
 //! [`noslip`](super::noslip) uses the same updates of the rows' forces.
 
-use super::pgs::{Buffers, Pcg32, product_of};
+use super::orders::Pcg32;
+use super::pgs::{Buffers, product_of};
 use super::qcqp;
 use crate::math::dense::{self, dot_slices};
 use crate::math::spatial::MINVAL;

@@ -7,6 +7,7 @@ mod dual;
 pub(super) mod line_search;
 mod newton;
 mod noslip;
+pub(super) mod orders;
 pub(crate) mod pgs;
 mod qcqp;
 mod row_costs;
@@ -39,21 +40,6 @@ pub fn fwd_constraint(m: &Model, d: &mut Data) {
     if m.opt.noslip_iterations > 0 {
         noslip::solve(m, d);
     }
-}
-
-/// Computes the rows' forces and `qfrc_constraint` by projected Gauss-Seidel, for a model of one
-/// tree and data with rows.
-#[inline(always)]
-pub(super) fn forces_of_one_tree(m: &Model, d: &mut Data) {
-    d.work.tree_island.clear();
-    d.work.tree_island.push(0);
-    d.solver_niter.clear();
-    let mut b = std::mem::take(&mut d.efc.b);
-    residuals(m, &d.efc, &d.qacc_smooth, &mut d.work.dofs, &mut b);
-    d.efc.b = b;
-    islands(m, d);
-    pgs::forces(m, d);
-    add_forces(m, d);
 }
 
 /// Lists the trees and the blocks of each island, in the order of their indices.

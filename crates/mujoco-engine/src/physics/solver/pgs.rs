@@ -6,6 +6,7 @@
 use super::dual::{self, Unit};
 use std::ops::Range;
 
+use super::orders::Pcg32;
 use super::row_costs::{RowCosts, State};
 use super::{add_forces, dense, residuals};
 use crate::math::dense::{Lanes, add_scaled, dot, times};
@@ -108,13 +109,6 @@ impl Buffers {
 /// Solves all islands: MuJoCo's `mj_solPGS_island`.
 #[inline(always)]
 pub(super) fn solve(m: &Model, d: &mut Data) {
-    forces(m, d);
-    finish(m, d);
-}
-
-/// Computes the forces of the rows of all islands.
-#[inline(always)]
-pub(super) fn forces(m: &Model, d: &mut Data) {
     let mut s = std::mem::take(&mut d.work.pgs);
     let nefc = d.efc.nefc();
     project(m, d, &mut s);
@@ -177,8 +171,8 @@ pub(super) fn forces(m: &Model, d: &mut Data) {
     }
     d.work.islands = islands;
     d.efc.force.copy_from_slice(&s.force.as_flattened()[..nefc]);
-
     d.work.pgs = s;
+    finish(m, d);
 }
 
 /// Computes `qfrc_constraint` and `qacc` from the rows' forces: MuJoCo's `mj_dualFinish`.
@@ -319,31 +313,6 @@ pub(super) fn project(m: &Model, d: &Data, s: &mut Buffers) {
             |index| terms[index],
         );
         row[i / 4][i % 4] += r;
-    }
-}
-
-/// The random generator PCG32, from which MuJoCo draws the order of the rows.
-pub(super) struct Pcg32(u64);
-
-impl Pcg32 {
-    pub(super) fn new() -> Self {
-        let mut generator = Self(0);
-        generator.next();
-        generator
-    }
-
-    #[inline(always)]
-    fn next(&mut self) -> u32 {
-        let old = self.0;
-        self.0 = old.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);
-        let shifted = (((old >> 18) ^ old) >> 27) as u32;
-        shifted.rotate_right((old >> 59) as u32)
-    }
-
-    /// Swaps element `i` with a random element of `0..=i`.
-    #[inline(always)]
-    pub(super) fn swap(&mut self, order: &mut [u32], i: usize) {
-        order.swap(i, (self.next() % (i as u32 + 1)) as usize);
     }
 }
 

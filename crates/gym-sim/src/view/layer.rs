@@ -8,13 +8,24 @@ use gym_core::canvas::{Color, Image, Point};
 
 use super::camera::NEAR;
 
-/// Parts of a sample's width.
-const PARTS: f64 = 256.0;
+/// Parts of a sample's width: 256, a power of two.
+const PARTS_LOG2: u32 = 8;
+const PARTS: f64 = (1 << PARTS_LOG2) as f64;
 /// The largest coordinate in samples: triangles beyond are not drawn.
 const REACH: f64 = (1 << 20) as f64;
 
 /// A point as a camera sees it, in f32: to the right, up, ahead.
 pub(super) type Seen = [f32; 3];
+
+/// A corner of triangles, which share it: what a layer computes once of it.
+#[derive(Clone, Copy, Default)]
+pub(super) struct Corner {
+    seen: Seen,
+    /// The position in parts of a sample; `None` for a point that is too far aside.
+    at: Option<[i32; 2]>,
+    /// One divided by the distance ahead.
+    nearness: f32,
+}
 
 /// A colour: red, green, blue, opacity, from 0 to 1.
 pub(super) type Paint = [f32; 4];
@@ -80,19 +91,34 @@ impl Layer {
         ahead + radius < NEAR || beyond(right, 0) || beyond(up, 1)
     }
 
+    /// The corner of triangles at a point.
+    pub(super) fn corner(&self, seen: Seen) -> Corner {
+        let [columns, rows] = self.size.map(|length| length as f64 / 2.0);
+        let [right, up, ahead] = seen.map(f64::from);
+        let x = columns + right / ahead * self.focal[0];
+        let y = rows - up / ahead * self.focal[1];
+        let is_within = x.abs() < REACH && y.abs() < REACH;
+        Corner {
+            seen,
+            at: is_within.then(|| [x, y].map(|x| (x * PARTS).round() as i32)),
+            nearness: 1.0 / seen[2],
+        }
+    }
+
     /// Draws a triangle whose corners go round against the clock as seen by the camera; others are
     /// not drawn. `paint` gives the colour of a point from the shares of the corners.
     #[inline]
     pub(super) fn triangle(
         &mut self,
-        corners: [Seen; 3],
+        corners: [Corner; 3],
         mut paint: impl FnMut([f32; 3]) -> Paint,
     ) {
         const WHOLE: [[f32; 3]; 3] = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
         let near = NEAR as f32;
-        if corners.iter().all(|corner| corner[2] >= near) {
+        if corners.iter().all(|corner| corner.seen[2] >= near) {
             return self.visible(corners, WHOLE, &mut paint);
         }
+        let corners = corners.map(|corner| corner.seen);
         // the part ahead of the near plane has up to four corners
         let mut part = [([0.0; 3], [0.0; 3]); 4];
         let mut count = 0;
@@ -112,7 +138,8 @@ impl Layer {
         }
         for k in 2..count {
             let [a, b, c] = [part[0], part[k - 1], part[k]];
-            self.visible([a.0, b.0, c.0], [a.1, b.1, c.1], &mut paint);
+            let corners = [a.0, b.0, c.0].map(|seen| self.corner(seen));
+            self.visible(corners, [a.1, b.1, c.1], &mut paint);
         }
     }
 
@@ -120,22 +147,15 @@ impl Layer {
     #[inline]
     fn visible(
         &mut self,
-        corners: [Seen; 3],
+        corners: [Corner; 3],
         shares: [[f32; 3]; 3],
         paint: &mut impl FnMut([f32; 3]) -> Paint,
     ) {
         let [columns, rows] = self.size;
-        let mut at = [[0_i64; 2]; 3];
-        for (at, corner) in at.iter_mut().zip(corners) {
-            let [right, up, ahead] = corner.map(f64::from);
-            let x = columns as f64 / 2.0 + right / ahead * self.focal[0];
-            let y = rows as f64 / 2.0 - up / ahead * self.focal[1];
-            if !(x.abs() < REACH && y.abs() < REACH) {
-                return;
-            }
-            *at = [(x * PARTS).round() as i64, (y * PARTS).round() as i64];
-        }
-        let [a, b, c] = at;
+        let [Some(a), Some(b), Some(c)] = corners.map(|corner| corner.at) else {
+            return;
+        };
+        let [a, b, c] = [a, b, c].map(|at| at.map(i64::from));
         // y points down: the sign of the area is turned
         let area = (b[1] - a[1]) * (c[0] - a[0]) - (b[0] - a[0]) * (c[1] - a[1]);
         if area <= 0 {
@@ -146,9 +166,9 @@ impl Layer {
         let range = |k: usize, length: usize| {
             let least = a[k].min(b[k]).min(c[k]);
             let greatest = a[k].max(b[k]).max(c[k]);
-            let first =
-                (least - half).div_euclid(parts) + i64::from((least - half).rem_euclid(parts) > 0);
-            let last = (greatest - half).div_euclid(parts);
+            // (rounded up, and down)
+            let first = (least - half + parts - 1) >> PARTS_LOG2;
+            let last = (greatest - half) >> PARTS_LOG2;
             (first.max(0), last.min(length as i64 - 1))
         };
         let (left, right) = range(0, columns);
@@ -169,7 +189,7 @@ impl Layer {
             )
         };
         let sides = [side(b, c), side(c, a), side(a, b)];
-        let inverse = corners.map(|corner| 1.0 / corner[2]);
+        let inverse = corners.map(|corner| corner.nearness);
         let scale = 1.0 / area as f32;
         let mut starts = sides.map(|(start, _)| start);
         for y in top..=bottom {
@@ -267,6 +287,10 @@ mod tests {
             .collect()
     }
 
+    fn draw(layer: &mut Layer, corners: [Seen; 3], paint: impl FnMut([f32; 3]) -> Paint) {
+        layer.triangle(corners.map(|seen| layer.corner(seen)), paint);
+    }
+
     fn layer() -> Layer {
         Layer::new([8, 8], 1, [8.0; 2])
     }
@@ -288,7 +312,7 @@ mod tests {
         let mut counts = layer();
         let mut painted = 0;
         for triangle in halves(1.0) {
-            counts.triangle(triangle, |share| {
+            draw(&mut counts, triangle, |share| {
                 painted += 1;
                 assert!((share.iter().sum::<f32>() - 1.0).abs() < 1e-4, "{share:?}");
                 [1.0, 0.0, 0.0, 1.0]
@@ -301,7 +325,7 @@ mod tests {
         // the backs are not drawn
         let mut back = layer();
         for [a, b, c] in halves(1.0) {
-            back.triangle([b, a, c], |_| panic!("a back"));
+            draw(&mut back, [b, a, c], |_| panic!("a back"));
         }
         assert!(back.nearness.iter().all(|x| *x == 0.0));
     }
@@ -310,7 +334,7 @@ mod tests {
     fn the_nearer_hides_the_further_in_any_order() {
         let paint = |layer: &mut Layer, depth: f32, red: f32| {
             for triangle in halves(depth) {
-                layer.triangle(triangle, |_| [red, 0.0, 0.0, 1.0]);
+                draw(layer, triangle, |_| [red, 0.0, 0.0, 1.0]);
             }
         };
         let [mut first, mut second] = [layer(), layer()];
@@ -335,14 +359,14 @@ mod tests {
     fn depths_are_those_of_the_plane_and_the_near_part_is_cut_off() {
         let mut depths = Layer::of_depths([8, 8], [8.0; 2]);
         for triangle in halves(2.5) {
-            depths.triangle(triangle, |_| [0.0; 4]);
+            draw(&mut depths, triangle, |_| [0.0; 4]);
         }
         let middle: Vec<f32> = depths.depths(100.0).collect();
         assert!((middle[4 * 8 + 4] - 2.5).abs() < 1e-5 && middle[0] == 100.0);
         // a floor 1 m below, from behind the camera to far ahead
         let floor = [[-50.0, -1.0, -5.0], [50.0, -1.0, -5.0], [0.0, -1.0, 500.0]];
         let mut depths = Layer::of_depths([8, 8], [8.0; 2]);
-        depths.triangle(floor, |_| [0.0; 4]);
+        draw(&mut depths, floor, |_| [0.0; 4]);
         let found: Vec<f32> = depths.depths(0.0).collect();
         for (y, row) in found.chunks(8).enumerate() {
             let slope = (y as f32 + 0.5 - 4.0) / 8.0;
@@ -359,12 +383,16 @@ mod tests {
     fn numbers_that_are_not_finite_draw_nothing() {
         let mut samples = layer();
         for bad in [f32::NAN, f32::INFINITY, f32::MAX] {
-            samples.triangle([[bad, 0.0, 1.0], [1.0, 0.0, 1.0], [0.0, bad, 1.0]], |_| {
-                [1.0; 4]
-            });
-            samples.triangle([[0.0, 0.0, bad], [1.0, 0.0, 1.0], [0.0, 1.0, 1.0]], |_| {
-                [1.0; 4]
-            });
+            draw(
+                &mut samples,
+                [[bad, 0.0, 1.0], [1.0, 0.0, 1.0], [0.0, bad, 1.0]],
+                |_| [1.0; 4],
+            );
+            draw(
+                &mut samples,
+                [[0.0, 0.0, bad], [1.0, 0.0, 1.0], [0.0, 1.0, 1.0]],
+                |_| [1.0; 4],
+            );
         }
         assert!(samples.nearness.iter().all(|x| x.is_finite()));
     }

@@ -3,7 +3,7 @@
 
 use gym_core::canvas::{Canvas, Color};
 
-use super::layer::{Layer, Paint, Seen, image};
+use super::layer::{Corner, Layer, Paint, Seen, image};
 use super::look::Look;
 use super::surface::{Surface, Triangles};
 use super::{Scene, color_of, floor, is_shown, is_site_shown, rgba, shapes};
@@ -223,7 +223,8 @@ impl Solid<'_> {
         if layer.misses(axes.map(|axis| dot(axis, from)), self.radius) {
             return;
         }
-        let seen = self.seen(model, axes, from);
+        let corner = |seen| layer.corner(seen);
+        let seen: Vec<Corner> = self.seen(model, axes, from).map(corner).collect();
         let triangles = self.triangles(model);
         let light = self
             .look
@@ -246,25 +247,28 @@ impl Solid<'_> {
             return;
         }
         let along = axes.map(|[x, y, _]| [x, y, 0.0]);
-        let mut seen = self.seen(model, along, [0.0; 3]);
-        for at in &mut seen {
-            *at = [0, 1, 2].map(|k| at[k] + around[k] as f32);
-        }
+        let around = around.map(|x| x as f32);
+        let corner = |at: Seen| layer.corner([0, 1, 2].map(|k| at[k] + around[k]));
+        let seen: Vec<Corner> = self.seen(model, along, [0.0; 3]).map(corner).collect();
         for face in self.triangles(model).faces {
             layer.triangle(face.map(|corner| seen[corner as usize]), |_| FULL);
         }
     }
 
     /// The points along three directions, from a point that is at `-from` from the surface's.
-    fn seen(&self, model: &Model, axes: [Vec3; 3], from: Vec3) -> Vec<Seen> {
+    fn seen<'a>(
+        &'a self,
+        model: &'a Model,
+        axes: [Vec3; 3],
+        from: Vec3,
+    ) -> impl Iterator<Item = Seen> + 'a {
         let columns = [0, 1, 2].map(|k| column(&self.mat, k));
         let turn = axes.map(|axis| columns.map(|column| dot(axis, column) as f32));
         let move_by = axes.map(|axis| dot(axis, from) as f32);
         let points = self.triangles(model).points.iter();
-        let place = |[x, y, z]: &[f32; 3]| {
+        points.map(move |[x, y, z]: &[f32; 3]| {
             [0, 1, 2].map(|k| turn[k][0] * x + turn[k][1] * y + turn[k][2] * z + move_by[k])
-        };
-        points.map(place).collect()
+        })
     }
 }
 

@@ -28,6 +28,14 @@ fn sizes_and_depths_have_limits() {
         message.contains("more than 4000 bodies, geoms or degrees of freedom"),
         "{message}"
     );
+    // two bodies with 1001 geoms each that slide: more than a million pairs
+    let many = format!(
+        "<body><joint type=\"slide\"/>{}</body>",
+        "<geom size=\"1\"/>".repeat(1001)
+    );
+    let text = format!("<mujoco><worldbody>{many}{many}</worldbody></mujoco>");
+    let message = Model::from_xml(&text).unwrap_err().to_string();
+    assert!(message.contains("more than 1000000 pairs"), "{message}");
     let most = "<mujoco><size nkey=\"1000\"/><worldbody/></mujoco>";
     assert_eq!(Model::from_xml(most).unwrap().key_time.len(), 1000);
     let long = " ".repeat(9 << 20);

@@ -69,6 +69,8 @@ mod tests {
                     turns.take(|| {
                         let now = working.fetch_add(1, Ordering::SeqCst) + 1;
                         most.fetch_max(now, Ordering::SeqCst);
+                        // long enough for all threads to begin that may
+                        thread::sleep(Duration::from_millis(5));
                         working.fetch_sub(1, Ordering::SeqCst);
                         turns.sleep(Duration::from_millis(1));
                     });

@@ -138,6 +138,47 @@ pairs! {
     }
 }
 
+// copies
+pairs! {
+    // the text contains the steps, which a clone counts too
+    "clone-apart" "text" TellsTheClonesSteps {
+        fn metadata(_: &Of<Self>) -> Metadata {
+            Metadata {
+                render_modes: &[RenderMode::RgbArray, RenderMode::Ansi],
+                ..Metadata::drawn(10, (200, 40))
+            }
+        }
+
+        fn copied(env: &Of<Self>) -> Mind {
+            let copy = env.mind.clone();
+            let shared = if BAD { Arc::clone(&env.mind.shared) } else { copy.shared.clone() };
+            Mind { shared, ..copy }
+        }
+
+        fn reset(env: &mut Of<Self>, reset: &Reset, observation: &mut Value) -> Result<()> {
+            env.walk.reset_into(reset, observation)?;
+            env.mind.shared.store(env.walk.steps().into(), Ordering::Relaxed);
+            Ok(())
+        }
+
+        fn step(env: &mut Of<Self>, action: &Value, observation: &mut Value) -> Result<Outcome> {
+            let outcome = env.walk.step_into(action, observation)?;
+            env.mind.shared.store(env.walk.steps().into(), Ordering::Relaxed);
+            Ok(Outcome { reward: outcome.reward * env.arguments.scale, ..outcome })
+        }
+
+        fn restore(env: &mut Of<Self>, snapshot: &Snapshot) -> Result<()> {
+            env.restore_stored(snapshot)?;
+            env.mind.shared.store(env.walk.steps().into(), Ordering::Relaxed);
+            Ok(())
+        }
+
+        fn ansi(env: &Of<Self>) -> Option<String> {
+            Some(format!("step {}", env.mind.shared.load(Ordering::Relaxed)))
+        }
+    }
+}
+
 // infos
 pairs! {
     // `info` names the last action, and the snapshot does not contain it

@@ -44,6 +44,9 @@ pub(super) fn capsule_box(capsule: Shape<'_>, cuboid: Shape<'_>, margin: f64, pu
     };
     let size = &segment.size;
     let most = margin + 2.0 * (radius + length + size[0] + size[1] + size[2]);
+    if segment.is_apart(radius + margin + APART * most) {
+        return;
+    }
     let Some((nearest, at)) = segment.nearest(most, length) else {
         return;
     };
@@ -58,7 +61,16 @@ pub(super) fn capsule_box(capsule: Shape<'_>, cuboid: Shape<'_>, margin: f64, pu
     }
 }
 
+/// More than rounding can move a point, in sizes of the geoms.
+const APART: f64 = 1e-6;
+
 impl Segment {
+    /// Whether a face of the box keeps all points of the segment further away than `distance`: no sphere touches the
+    /// box there, which is cheaper to know than the nearest part.
+    fn is_apart(&self, distance: f64) -> bool {
+        (0..3).any(|k| self.pos[k].abs() - self.half[k].abs() - self.size[k] > distance)
+    }
+
     /// The part of the box nearest to the segment, and the nearest position on the segment (-1 to
     /// 1).
     fn nearest(&self, most: f64, length: f64) -> Option<(Nearest, f64)> {
@@ -235,4 +247,49 @@ impl Segment {
 /// `b` if it is less than `a`, else `a`.
 fn least(a: f64, b: f64) -> f64 {
     if b < a { b } else { a }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::physics::collision::Hit;
+
+    /// A sphere at each of many points of a capsule that is said to be apart: none touches the box.
+    #[test]
+    fn what_is_apart_does_not_touch() {
+        let mut seed = 1_u64;
+        let mut random = |most: f64| {
+            seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);
+            most * ((seed >> 11) as f64 / (1_u64 << 52) as f64 - 1.0)
+        };
+        let (mut apart, mut close) = (0, 0);
+        let mat = [1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0];
+        for _ in 0..20_000 {
+            let (radius, margin) = (random(0.3).abs(), random(0.2));
+            let segment = Segment {
+                pos: [0; 3].map(|_| random(2.0)),
+                axis: [0.0; 3],
+                half: [0; 3].map(|_| random(1.0)),
+                size: [0; 3].map(|_| random(1.0).abs()),
+                signs: 0,
+            };
+            let cuboid = Shape {
+                pos: [0.0; 3],
+                mat: &mat,
+                size: &segment.size,
+            };
+            let mut touches = 0;
+            for step in -20..=20 {
+                let centre = add_scaled(segment.pos, segment.half, f64::from(step) / 20.0);
+                sphere_box((centre, radius), cuboid, margin, &mut |_: Hit| touches += 1);
+            }
+            if segment.is_apart(radius + margin) {
+                assert_eq!(touches, 0);
+                apart += 1;
+            } else {
+                close += 1;
+            }
+        }
+        assert!(apart > 1_000 && close > 1_000, "{apart} {close}");
+    }
 }

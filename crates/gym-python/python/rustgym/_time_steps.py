@@ -30,10 +30,16 @@ class TimeSteps:
     """
 
     def __init__(self, num_envs: int, max_episode_steps: int | None, env_id: str, kwargs: dict[str, Any]) -> None:
+        # an environment has taken as many steps as both numbers say together
         self._elapsed = np.zeros(num_envs, np.int64)
+        self._together = 0
         self._has_ended = np.zeros(num_envs, np.bool_)
-        self._ongoing = np.ones(num_envs), np.full(num_envs, StepType.MID, dtype=object)
-        self._everywhere = np.ones(num_envs, np.bool_)
+        self._is_due = False
+        # the columns while no episode ends or starts; nobody can write to them, so each step hands them out
+        types = np.array([StepType.MID] * num_envs, dtype=object)
+        self._ongoing = self._columns(np.ones(num_envs), types, np.ones(num_envs, np.bool_))
+        for column in self._ongoing.values():
+            column.flags.writeable = False
         self._limit = -1
         if max_episode_steps is not None and max_episode_steps >= 0:
             env = class_of(env_id)(**kwargs)
@@ -43,7 +49,7 @@ class TimeSteps:
     def reset(self, envs: VectorEnv, infos: dict[str, Any], mask: list[bool] | None) -> None:
         """Adds to the infos of a reset of the environments with a true value in ``mask``."""
         started = np.flatnonzero(np.ones(envs.num_envs) if mask is None else mask)
-        self._elapsed[started], self._has_ended[started] = 0, False
+        self._elapsed[started], self._has_ended[started] = -self._together, False
         for index in started:
             envs._add_info(infos, _START, index)
 
@@ -51,21 +57,22 @@ class TimeSteps:
         """Adds to the infos of a step of the environments ``ids``; of all unless given."""
         ended = terminated | truncated
         # in most steps no episode ends or starts: those take the shortest way
-        if ids is None and not np.count_nonzero(ended) and not np.count_nonzero(self._has_ended):
-            self._elapsed += 1
-            self._fill(infos, *(column.copy() for column in self._ongoing))
+        if ids is None and not self._is_due and not np.count_nonzero(ended):
+            self._together += 1
+            infos.update(self._ongoing)
             return
         rows = np.arange(envs.num_envs) if ids is None else np.asarray(ids)
         mode, due = envs.autoreset_mode, self._has_ended[rows]
         self._elapsed[rows] += 1
         self._has_ended[rows] = ended
+        self._is_due = bool(self._has_ended.any())
         discounts = np.where(terminated, 0.0, 1.0)
-        is_last = terminated | truncated & (self._elapsed[rows] != self._limit)
+        is_last = terminated | truncated & (self._elapsed[rows] + self._together != self._limit)
         types = np.array([StepType.LAST if last else StepType.MID for last in is_last], dtype=object)
         starts = due if mode is AutoresetMode.NEXT_STEP else ended & (mode is AutoresetMode.SAME_STEP)
-        self._elapsed[rows[starts]] = 0
+        self._elapsed[rows[starts]] = -self._together
         if ids is None and not starts.any():
-            self._fill(infos, discounts, types)
+            infos.update(self._columns(discounts, types, np.ones(envs.num_envs, np.bool_)))
             return
         infos.pop("final_info", None), infos.pop("_final_info", None)
         for row, index in enumerate(rows):
@@ -74,6 +81,6 @@ class TimeSteps:
                 envs._add_info(infos, {"final_info": info}, index)
             envs._add_info(infos, _START if starts[row] else info, index)
 
-    def _fill(self, infos: dict[str, Any], discounts: Any, types: Any) -> None:
-        infos["timestep.discount"], infos["_timestep.discount"] = discounts, self._everywhere.copy()
-        infos["timestep.step_type"], infos["_timestep.step_type"] = types, self._everywhere.copy()
+    def _columns(self, discounts: Any, types: Any, where: Any) -> dict[str, Any]:
+        discount, step_type = "timestep.discount", "timestep.step_type"
+        return {discount: discounts, f"_{discount}": where, step_type: types, f"_{step_type}": where}

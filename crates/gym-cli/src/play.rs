@@ -118,7 +118,7 @@ fn game(session: &mut Session, arguments: &Arguments) -> Result<()> {
         Some(Json::Null) => keys.idle = Idle::Wait,
         Some(action) => keys.idle = Idle::Action(action.clone()),
     }
-    if arguments.terminal || !has_sliders(&session) || !keys.actions.is_empty() {
+    if arguments.terminal || !has_sliders(session) || !keys.actions.is_empty() {
         keys::check(&keys, &session.env.action_space())?;
         say(format_args!("{}", keys::describe(&keys)))?;
     }

@@ -80,9 +80,9 @@ impl Orders {
         }
     }
 
-    /// Returns the orders of `n` rows, one sweep after the other; `None` if they were not drawn.
-    pub(in crate::physics) fn of(&self, n: usize) -> Option<&[u8]> {
-        (n <= Self::MOST && self.drawn >> n & 1 == 1 && self.sweeps > 0)
+    /// Returns the orders of `n` rows, one sweep after the other; `None` if those of `sweeps` sweeps were not drawn.
+    pub(in crate::physics) fn of(&self, n: usize, sweeps: usize) -> Option<&[u8]> {
+        (n <= Self::MOST && self.drawn >> n & 1 == 1 && sweeps <= self.sweeps)
             .then(|| &self.all[Self::first(n, self.sweeps)..][..self.sweeps * n])
     }
 }
@@ -95,21 +95,22 @@ mod tests {
     fn known_orders_are_those_that_the_generator_draws() {
         let mut orders = Orders::new(50);
         for n in [1, 2, 3, 11, Orders::MOST] {
-            assert!(orders.of(n).is_none());
+            assert!(orders.of(n, 1).is_none());
             orders.draw(n);
             let mut generator = Pcg32::new();
             let mut order: Vec<u8> = (0..n as u8).collect();
-            for known in orders.of(n).unwrap().chunks(n) {
+            for known in orders.of(n, 50).unwrap().chunks(n) {
                 for i in (1..n).rev() {
                     generator.swap(&mut order, i);
                 }
                 assert_eq!(known, order, "{n}");
             }
         }
+        assert!(orders.of(3, 51).is_none());
         orders.draw(Orders::MOST + 1);
-        assert!(orders.of(Orders::MOST + 1).is_none());
+        assert!(orders.of(Orders::MOST + 1, 1).is_none());
         let mut none = Orders::new(101);
         none.draw(3);
-        assert!(none.of(3).is_none());
+        assert!(none.of(3, 1).is_none());
     }
 }

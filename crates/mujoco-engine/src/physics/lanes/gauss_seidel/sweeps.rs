@@ -153,7 +153,7 @@ impl World {
 
     /// Begins a sweep: extrapolates the forces by their last change.
     #[inline(always)]
-    fn extrapolate(&mut self, orders: &Orders) {
+    fn extrapolate(&mut self, orders: &Orders, iterations: usize) {
         let n = self.steps.len();
         let beta = if self.sweeps > 0 {
             (self.k - 1.0) / (self.k + 2.0)
@@ -172,7 +172,7 @@ impl World {
             (*before, *momentum) = (now, *force);
         }
         self.order.clear();
-        match orders.of(n) {
+        match orders.of(n, iterations) {
             Some(known) => {
                 let own = &known[self.sweeps * n..][..n];
                 self.order.extend(own.iter().map(|row| u32::from(*row)));
@@ -261,7 +261,7 @@ pub(super) fn sweep<S: Simd>(m: &Model, simd: S, worlds: &mut [World], orders: &
     while left > 0 {
         let worlds = &mut worlds[..left];
         for world in &mut *worlds {
-            world.extrapolate(orders);
+            world.extrapolate(orders, m.opt.iterations);
         }
         let mut long = left;
         for place in 0..worlds[0].steps.len() {

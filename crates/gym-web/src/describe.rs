@@ -8,16 +8,14 @@ use serde_json::{Value as Json, json};
 /// Of larger bounds and observations only the shape is sent.
 const MOST_NUMBERS: usize = 512;
 
-/// The family whose requirement, a ROM, the page asks its reader for.
-const GAMES: &str = "gym-atari";
-
 /// Describes every environment that can run here, in the order of the gallery: family by family,
-/// page by page. What needs another build, or files that a browser has no place for, is left out.
+/// page by page. What needs another build, or files that a browser has no place for, is left out; what a whole family
+/// needs, such as ROMs, the page asks its reader for.
 pub(crate) fn list() -> Json {
     let mut entries = Vec::new();
     for (family, mut registrations) in registry::by_family(registry::all()) {
         registrations.retain(|registration| {
-            family.package == GAMES || registration.needs.is_none_or(|need| need.is_met())
+            family.needs.is_some() || registration.needs.is_none_or(|need| need.is_met())
         });
         for (page, group) in registry::by_page(registrations).iter().enumerate() {
             let shown = registry::shown(group).map(Registration::id);

@@ -12,6 +12,7 @@ and then trains with RLlib's runners on the nodes. Each runner imports rustgym, 
 import argparse
 import hashlib
 import os
+import time
 
 os.environ.setdefault("OMP_NUM_THREADS", "1")
 
@@ -50,22 +51,23 @@ class Runner:
     """Plays seeds on the node that Ray chooses."""
 
     def play(self, seeds):
-        """The digest of each seed, and the node that played it."""
+        """The digest of each seed, the node that played it, and the seconds."""
         import rustgym
 
         envs = rustgym.make_vec(ENV, num_envs=len(seeds))
-        return play(envs, seeds), ray.get_runtime_context().get_node_id()
+        start = time.perf_counter()
+        return play(envs, seeds), ray.get_runtime_context().get_node_id(), time.perf_counter() - start
 
 
 def sample(count):
-    """The digest of each seed, where `count` runners share the seeds, and the number of nodes that played."""
+    """The digest of each seed, where `count` runners share the seeds, the number of nodes, and the samples per second."""
     runners = [Runner.remote() for _ in range(count)]
     shares = [SEEDS[i::count] for i in range(count)]
     answers = ray.get([runner.play.remote(share) for runner, share in zip(runners, shares, strict=True)])
     for runner in runners:
         ray.kill(runner)
-    digests = {seed: digest for share, _ in answers for seed, digest in share.items()}
-    return digests, len({node for _, node in answers})
+    digests = {seed: digest for share, _, _ in answers for seed, digest in share.items()}
+    return digests, len({node for _, node, _ in answers}), len(SEEDS) * STEPS / max(seconds for _, _, seconds in answers)
 
 
 def make(config=None):
@@ -107,9 +109,9 @@ if __name__ == "__main__":
 
     processes = play(gymnasium.vector.AsyncVectorEnv([make] * len(SEEDS)), SEEDS)
     for count in (1, 2, 4):
-        digests, nodes = sample(count)
+        digests, nodes, rate = sample(count)
         assert digests == processes, "a seed gave other samples"
-        print(f"{count} runners on {nodes} nodes: the samples of each seed are those of Gymnasium's processes")
+        print(f"{count} runners on {nodes} nodes: {rate:.0f} samples per second, of each seed those of Gymnasium's processes")
     train()
     ray.shutdown()
     if cluster is not None:

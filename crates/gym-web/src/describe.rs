@@ -9,8 +9,8 @@ use serde_json::{Value as Json, json};
 const MOST_NUMBERS: usize = 512;
 
 /// Describes every environment that can run here, in the order of the gallery: family by family,
-/// page by page. What needs another build, or files that a browser has no place for, is left out; what a whole family
-/// needs, such as ROMs, the page asks its reader for.
+/// page by page. What needs another build, or files that a browser has no place for, is left out;
+/// what a whole family needs, such as ROMs, the page asks its reader for.
 pub(crate) fn list() -> Json {
     let mut entries = Vec::new();
     for (family, mut registrations) in registry::by_family(registry::all()) {

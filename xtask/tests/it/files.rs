@@ -72,7 +72,6 @@ fn what_cannot_be_done_is_said_before_anything_is_played() {
     }
 }
 
-/// The options of a command reach the environment, the policy and the file.
 /// Neither a file nor a folder is left by a command that fails, and what was there stays.
 #[test]
 fn a_command_that_fails_leaves_nothing() {
@@ -140,6 +139,7 @@ fn a_command_that_fails_leaves_nothing() {
     }
 }
 
+/// The options of a command reach the environment, the policy and the file.
 #[test]
 fn gif_follows_its_options() {
     let out = folder("gif");

@@ -65,8 +65,8 @@ pub(super) fn capsule_box(capsule: Shape<'_>, cuboid: Shape<'_>, margin: f64, pu
 const APART: f64 = 1e-6;
 
 impl Segment {
-    /// Whether a face of the box keeps all points of the segment further away than `distance`: no sphere touches the
-    /// box there, which is cheaper to know than the nearest part.
+    /// Whether a face of the box keeps all points of the segment further away than `distance`: then
+    /// no sphere of that radius touches the box, which is cheaper to know than the nearest part.
     fn is_apart(&self, distance: f64) -> bool {
         (0..3).any(|k| self.pos[k].abs() - self.half[k].abs() - self.size[k] > distance)
     }
@@ -253,15 +253,13 @@ fn least(a: f64, b: f64) -> f64 {
 mod tests {
     use super::*;
     use crate::physics::collision::Hit;
+    use crate::physics::lanes::tests::random;
 
     /// A sphere at each of many points of a capsule that is said to be apart: none touches the box.
     #[test]
     fn what_is_apart_does_not_touch() {
-        let mut seed = 1_u64;
-        let mut random = |most: f64| {
-            seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);
-            most * ((seed >> 11) as f64 / (1_u64 << 52) as f64 - 1.0)
-        };
+        let mut random = random(1);
+        let mut random = |most: f64| most * random();
         let (mut apart, mut close) = (0, 0);
         let mat = [1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0];
         for _ in 0..20_000 {

@@ -26,7 +26,7 @@ pub(super) struct GaussSeidel {
     /// The residuals of the last step's accelerations.
     jar: Vec<PerWorld>,
     pub(super) force: Vec<PerWorld>,
-    /// The worlds that have rows, those of most rows first.
+    /// The worlds that have rows, sorted by the number of rows from the largest.
     worlds: Box<[World; WORLDS]>,
     orders: Orders,
 }
@@ -78,7 +78,7 @@ impl GaussSeidel {
         if self.b.len() < rows.used {
             self.reserve(m.nv(), rows.d.len());
         }
-        // those of most rows first
+        // sorted by the number of rows, from the largest
         let mut list = [0; WORLDS];
         let mut len = 0;
         for world in worlds(live, at.1).filter(|world| rows.count[*world] > 0) {

@@ -215,9 +215,7 @@ pub(super) fn iterate(m: &Model, d: &Data, s: &mut Buffers, blocks: &[usize], sc
             0.0
         };
         rows.extrapolate(&units, beta);
-        for i in (1..order.len()).rev() {
-            generator.swap(&mut order, i);
-        }
+        generator.shuffle(&mut order);
         let mut improvement = 0.0;
         for unit in order.iter().map(|&i| &units[i as usize]) {
             improvement -= match unit.friction(d) {

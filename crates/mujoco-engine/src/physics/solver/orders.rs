@@ -30,10 +30,18 @@ impl Pcg32 {
     pub(in crate::physics) fn swap<T>(&mut self, order: &mut [T], i: usize) {
         order.swap(i, (self.next() % (i as u32 + 1)) as usize);
     }
+
+    /// Draws the next order: swaps all elements, from the last to the second.
+    #[inline(always)]
+    pub(in crate::physics) fn shuffle<T>(&mut self, order: &mut [T]) {
+        for i in (1..order.len()).rev() {
+            self.swap(order, i);
+        }
+    }
 }
 
 /// The orders of few rows, which depend on their number alone, and are drawn once.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug)]
 pub(in crate::physics) struct Orders {
     /// For one row, for two rows and so on: the orders of all sweeps.
     all: Vec<u8>,
@@ -73,14 +81,13 @@ impl Orders {
             *place = i as u8;
         }
         for to in orders.chunks_exact_mut(n) {
-            for i in (1..n).rev() {
-                generator.swap(&mut order, i);
-            }
+            generator.shuffle(&mut order[..n]);
             to.copy_from_slice(&order[..n]);
         }
     }
 
-    /// Returns the orders of `n` rows, one sweep after the other; `None` if those of `sweeps` sweeps were not drawn.
+    /// Returns the orders of `n` rows, one sweep after the other; `None` if they were not drawn for
+    /// as many as `sweeps` sweeps.
     pub(in crate::physics) fn of(&self, n: usize, sweeps: usize) -> Option<&[u8]> {
         (n <= Self::MOST && self.drawn >> n & 1 == 1 && sweeps <= self.sweeps)
             .then(|| &self.all[Self::first(n, self.sweeps)..][..self.sweeps * n])
@@ -100,9 +107,7 @@ mod tests {
             let mut generator = Pcg32::new();
             let mut order: Vec<u8> = (0..n as u8).collect();
             for known in orders.of(n, 50).unwrap().chunks(n) {
-                for i in (1..n).rev() {
-                    generator.swap(&mut order, i);
-                }
+                generator.shuffle(&mut order);
                 assert_eq!(known, order, "{n}");
             }
         }

@@ -348,9 +348,7 @@ fn iterate(m: &Model, d: &Data, s: &mut Buffers, scale: f64) -> usize {
     let mut generator = Pcg32::new();
     s.next_order.clear();
     s.next_order.extend(0..n as u32);
-    for i in (1..n).rev() {
-        generator.swap(&mut s.next_order, i);
-    }
+    generator.shuffle(&mut s.next_order);
     s.order.clear();
     s.order.resize(n, 0);
     for vector in [&mut s.before, &mut s.momentum] {

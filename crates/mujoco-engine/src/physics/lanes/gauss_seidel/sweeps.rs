@@ -12,9 +12,9 @@ type Four = dense::Lanes;
 
 /// The rows of a world, and the state of its sweeps.
 ///
-/// Vectors over rows have as many groups of four in all worlds, so that all loops over them are of the same
-/// length. Their last group has the one to three rows after the last full group, which a sum adds last; what is
-/// left of the others is zero.
+/// Vectors over rows have as many groups of four in all worlds, so that all loops over them are of
+/// the same length. The last group has the one to three rows after the last full group, which a sum
+/// adds last. Groups between them are zero.
 #[derive(Clone, Debug, Default)]
 pub(super) struct World {
     /// The index among the worlds that step together.
@@ -183,9 +183,7 @@ impl World {
                     self.drawn.clear();
                     self.drawn.extend(0..n as u32);
                 }
-                for i in (1..n).rev() {
-                    self.generator.swap(&mut self.drawn, i);
-                }
+                self.generator.shuffle(&mut self.drawn);
                 self.order.extend_from_slice(&self.drawn);
             }
         }
@@ -245,9 +243,9 @@ fn dot<S: Simd>(simd: S, a: &[Four], b: &[Four]) -> f64 {
     total(&sums.into()) + (rest_a[0] * rest_b[0] + rest_a[1] * rest_b[1] + rest_a[2] * rest_b[2])
 }
 
-/// Updates the forces of all worlds, those of most rows first, until the solver stops. The
-/// worlds take turns, row by row: each update waits for the update before, which leaves time on the CPU for
-/// other worlds.
+/// Updates the forces of `worlds`, which are sorted by their number of rows from the largest, until
+/// the solver stops. The worlds take turns, row by row: each update waits for the update before,
+/// which leaves time on the CPU for other worlds.
 #[inline(always)]
 pub(super) fn sweep<S: Simd>(m: &Model, simd: S, worlds: &mut [World], orders: &Orders) {
     for world in &mut *worlds {

@@ -4,6 +4,7 @@
 use super::orders::Pcg32;
 use super::pgs::{Buffers, product_of};
 use super::qcqp;
+use super::sweep::{Momentum, pushing};
 use crate::math::dense::{self, dot_slices};
 use crate::math::spatial::MINVAL;
 use crate::physics::constraint::{Block, Kind, Source};
@@ -110,7 +111,7 @@ impl Rows<'_> {
         if old[0] < MINVAL {
             let moved = old[0] - residual[0] * (1.0 / a[0]);
             force = [0.0; MOST];
-            force[0] = if moved < 0.0 { 0.0 } else { moved };
+            force[0] = pushing(moved);
         } else {
             let mut product = [0.0; MOST];
             for (product, row) in product.iter_mut().zip(a.chunks(dim)) {
@@ -176,8 +177,7 @@ impl Unit {
                 let loss = d.efc.loss[self.row];
                 force.clamp(-loss, loss)
             }
-            _ if force < 0.0 => 0.0,
-            _ => force,
+            _ => pushing(force),
         }
     }
 
@@ -207,14 +207,9 @@ pub(super) fn iterate(m: &Model, d: &Data, s: &mut Buffers, blocks: &[usize], sc
     let mut generator = Pcg32::new();
     let revision = m.revision;
     let mut rows = Rows { d, s, revision };
-    let (mut k, mut iterations) = (0.0, 0);
+    let (mut momentum, mut iterations) = (Momentum::default(), 0);
     while iterations < m.opt.iterations {
-        let beta = if iterations > 0 {
-            (k - 1.0) / (k + 2.0)
-        } else {
-            0.0
-        };
-        rows.extrapolate(&units, beta);
+        rows.extrapolate(&units, momentum.beta());
         generator.shuffle(&mut order);
         let mut improvement = 0.0;
         for unit in order.iter().map(|&i| &units[i as usize]) {
@@ -224,11 +219,7 @@ pub(super) fn iterate(m: &Model, d: &Data, s: &mut Buffers, blocks: &[usize], sc
             };
         }
         improvement *= scale;
-        k = if iterations > 0 && rows.extrapolation_product() < 0.0 {
-            0.0
-        } else {
-            k + 1.0
-        };
+        momentum.end_sweep(rows.extrapolation_product());
         iterations += 1;
         if improvement < m.opt.tolerance {
             break;
@@ -273,8 +264,7 @@ impl Rows<'_> {
         }
     }
 
-    /// Returns the scalar product of the updates and of the extrapolation before the updates. A
-    /// negative product restarts the momentum.
+    /// Returns the scalar product of the updates and of the extrapolation before the updates.
     fn extrapolation_product(&self) -> f64 {
         let s = &self.s;
         let parts = s.rows.iter().zip(&s.momentum).zip(&s.before);

@@ -12,6 +12,7 @@ pub(crate) mod pgs;
 mod qcqp;
 mod row_costs;
 mod sparse;
+pub(super) mod sweep;
 
 use std::ops::Range;
 

@@ -8,6 +8,7 @@ use std::ops::Range;
 
 use super::orders::Pcg32;
 use super::row_costs::{RowCosts, State};
+use super::sweep::{Momentum, Step, pushing};
 use super::{add_forces, dense, residuals};
 use crate::math::dense::{Lanes, add_scaled, dot, times};
 use crate::model::{Bounds, Disable, Solver};
@@ -39,16 +40,6 @@ pub(crate) struct Buffers {
     pub(super) momentum: Vec<f64>,
     pub(super) order: Vec<u32>,
     next_order: Vec<u32>,
-}
-
-/// The quantities that the update of one row needs.
-#[derive(Clone, Copy, Debug)]
-struct Step {
-    row: usize,
-    b: f64,
-    diag_inv: f64,
-    /// `1 / diag_inv`.
-    diag: f64,
 }
 
 impl Buffers {
@@ -337,13 +328,8 @@ fn iterate(m: &Model, d: &Data, s: &mut Buffers, scale: f64) -> usize {
     let rows = &s.rows;
     s.steps.clear();
     s.steps.extend(rows.iter().map(|&row| {
-        let diag_inv = 1.0 / s.ar[row * stride + row / 4][row % 4];
-        Step {
-            row,
-            b: d.efc.b[row],
-            diag_inv,
-            diag: 1.0 / diag_inv,
-        }
+        let diagonal = s.ar[row * stride + row / 4][row % 4];
+        Step::new(d.efc.b[row], diagonal)
     }));
     let mut generator = Pcg32::new();
     s.next_order.clear();
@@ -362,20 +348,15 @@ fn iterate(m: &Model, d: &Data, s: &mut Buffers, scale: f64) -> usize {
     let force = &mut s.force[..stride];
     let (before, momentum) = (&mut s.before[..n], &mut s.momentum[..n]);
     let (order, next_order) = (&mut s.order[..n], &mut s.next_order[..n]);
-    let (mut k, coupled) = (0.0, &s.coupled);
+    let (mut kept, coupled) = (Momentum::default(), &s.coupled);
     for iteration in 0..m.opt.iterations {
-        let beta = if iteration > 0 {
-            (k - 1.0) / (k + 2.0)
-        } else {
-            0.0
-        };
+        let beta = kept.beta();
         let numbers = force.as_flattened_mut();
         for ((&row, before), momentum) in rows.iter().zip(&mut *before).zip(&mut *momentum) {
             let now = numbers[row];
             let mut start = now;
             if beta > 0.0 {
-                let moved = now + beta * (now - *before);
-                start = if moved < 0.0 { 0.0 } else { moved };
+                start = pushing(now + beta * (now - *before));
                 numbers[row] = start;
             }
             (*before, *momentum) = (now, start);
@@ -386,16 +367,11 @@ fn iterate(m: &Model, d: &Data, s: &mut Buffers, scale: f64) -> usize {
         order.copy_from_slice(next_order);
         let mut improvement = 0.0;
         for (&i, next) in order.iter().zip((0..n).rev()) {
-            let step = &steps[i as usize];
-            let row = step.row;
+            let row = rows[i as usize];
             let ar = &ar[row * stride..][..stride];
-            let residual = step.b + product_of(ar, force, nefc, coupled.of(row));
+            let product = product_of(ar, force, nefc, coupled.of(row));
             let old = force.as_flattened()[row];
-            let moved = old - residual * step.diag_inv;
-            let new = if moved < 0.0 { 0.0 } else { moved };
-            let delta = new - old;
-            let change = 0.5 * delta * delta * step.diag + delta * residual;
-            if change <= 1e-10 {
+            if let Some((new, change)) = steps[i as usize].update(product, old) {
                 dense::set(force, row, new);
                 improvement -= change;
             }
@@ -409,11 +385,7 @@ fn iterate(m: &Model, d: &Data, s: &mut Buffers, scale: f64) -> usize {
         for ((&row, momentum), before) in rows.iter().zip(&*momentum).zip(&*before) {
             turned += (numbers[row] - momentum) * (momentum - before);
         }
-        k = if iteration > 0 && turned < 0.0 {
-            0.0
-        } else {
-            k + 1.0
-        };
+        kept.end_sweep(turned);
         if improvement < m.opt.tolerance {
             return iteration + 1;
         }

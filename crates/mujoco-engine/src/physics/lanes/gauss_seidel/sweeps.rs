@@ -6,6 +6,7 @@ use crate::Model;
 use crate::math::dense::{self, total};
 use crate::model::Disable;
 use crate::physics::solver::orders::{Orders, Pcg32};
+use crate::physics::solver::sweep::{Momentum, Step, pushing};
 
 /// Four elements of a row of a matrix, or of a vector over rows.
 type Four = dense::Lanes;
@@ -25,7 +26,7 @@ pub(super) struct World {
     ar: Vec<Four>,
     force: Vec<Four>,
     product: Vec<Four>,
-    steps: Vec<Step>,
+    rows: Vec<Row>,
     /// The forces before the extrapolation, and after it.
     before: Vec<Four>,
     momentum: Vec<Four>,
@@ -33,24 +34,19 @@ pub(super) struct World {
     /// The last order that was drawn, of rows that are too many for [`Orders`], and what draws the next.
     drawn: Vec<u32>,
     generator: Pcg32,
-    /// The number of sweeps since the momentum started.
-    k: f64,
+    kept: Momentum,
     /// Scales the improvement.
     scale: f64,
     improvement: f64,
     sweeps: usize,
 }
 
-/// The quantities that the update of one row needs.
-#[derive(Clone, Copy, Debug, Default)]
-struct Step {
-    /// The place of the row in a vector.
+/// A row: the place of its element in a vector, and its update.
+#[derive(Clone, Copy, Debug)]
+struct Row {
     group: usize,
     lane: usize,
-    b: f64,
-    diag_inv: f64,
-    /// `1 / diag_inv`.
-    diag: f64,
+    step: Step,
 }
 
 impl World {
@@ -60,7 +56,7 @@ impl World {
             ar: Vec::with_capacity(rows * groups),
             force: Vec::with_capacity(groups),
             product: Vec::with_capacity(groups),
-            steps: Vec::with_capacity(rows),
+            rows: Vec::with_capacity(rows),
             before: Vec::with_capacity(groups),
             momentum: Vec::with_capacity(groups),
             order: Vec::with_capacity(rows),
@@ -87,7 +83,7 @@ impl World {
     /// improvement.
     pub(super) fn begin(&mut self, index: usize, n: usize, groups: usize, scale: f64) {
         (self.index, self.groups, self.scale) = (index, groups, scale);
-        (self.k, self.sweeps) = (0.0, 0);
+        (self.kept, self.sweeps) = (Momentum::default(), 0);
         let stride = groups + 1;
         for (vector, len) in [
             (&mut self.ar, n * stride),
@@ -97,18 +93,18 @@ impl World {
             vector.clear();
             vector.resize(len, [0.0; 4]);
         }
-        self.steps.clear();
-        self.steps.extend((0..n).map(|row| Step {
+        self.rows.clear();
+        self.rows.extend((0..n).map(|row| Row {
             group: if row / 4 < n / 4 { row / 4 } else { groups },
             lane: row % 4,
-            ..Step::default()
+            step: Step::default(),
         }));
     }
 
     /// Sets four elements of row `i` of the matrix.
     #[inline(always)]
     pub(super) fn set_four(&mut self, i: usize, group: usize, four: Four) {
-        let full = self.steps.len() / 4;
+        let full = self.rows.len() / 4;
         if group <= full {
             let group = if group < full { group } else { self.groups };
             self.ar[i * (self.groups + 1) + group] = four;
@@ -118,29 +114,26 @@ impl World {
     /// Sets the residual of zero forces and the force of row `i`.
     #[inline(always)]
     pub(super) fn set_row(&mut self, i: usize, b: f64, force: f64) {
-        let step = &mut self.steps[i];
-        let diagonal = self.ar[i * (self.groups + 1) + step.group][step.lane];
-        (step.b, step.diag_inv) = (b, 1.0 / diagonal);
-        step.diag = 1.0 / step.diag_inv;
-        self.force[step.group][step.lane] = force;
+        let row = &mut self.rows[i];
+        let diagonal = self.ar[i * (self.groups + 1) + row.group][row.lane];
+        row.step = Step::new(b, diagonal);
+        self.force[row.group][row.lane] = force;
     }
 
     /// Returns the forces of all rows.
     pub(super) fn forces(&self) -> impl Iterator<Item = f64> + '_ {
-        self.steps
-            .iter()
-            .map(|step| self.force[step.group][step.lane])
+        self.rows.iter().map(|row| self.force[row.group][row.lane])
     }
 
     /// Starts at the forces, unless zero forces have a lower cost.
     #[inline(always)]
     fn start<S: Simd>(&mut self, simd: S, cold: bool) {
-        for (step, row) in self.steps.iter().zip(self.ar.chunks_exact(self.groups + 1)) {
-            self.product[step.group][step.lane] = dot(simd, row, &self.force);
+        for (row, ar) in self.rows.iter().zip(self.ar.chunks_exact(self.groups + 1)) {
+            self.product[row.group][row.lane] = dot(simd, ar, &self.force);
         }
         let half_square = 0.5 * dot(simd, &self.force, &self.product);
-        for step in &self.steps {
-            self.product[step.group][step.lane] = step.b;
+        for row in &self.rows {
+            self.product[row.group][row.lane] = row.step.b;
         }
         if cold || dot(simd, &self.force, &self.product) + half_square > 0.0 {
             self.force.fill([0.0; 4]);
@@ -154,19 +147,13 @@ impl World {
     /// Begins a sweep: extrapolates the forces by their last change.
     #[inline(always)]
     fn extrapolate(&mut self, orders: &Orders, iterations: usize) {
-        let n = self.steps.len();
-        let beta = if self.sweeps > 0 {
-            (self.k - 1.0) / (self.k + 2.0)
-        } else {
-            0.0
-        };
+        let (n, beta) = (self.rows.len(), self.kept.beta());
         let kept = self.before.iter_mut().zip(&mut self.momentum);
         for (force, (before, momentum)) in self.force.iter_mut().zip(kept) {
             let now = *force;
             if beta > 0.0 {
                 for k in 0..4 {
-                    let moved = now[k] + beta * (now[k] - before[k]);
-                    force[k] = if moved < 0.0 { 0.0 } else { moved };
+                    force[k] = pushing(now[k] + beta * (now[k] - before[k]));
                 }
             }
             (*before, *momentum) = (now, *force);
@@ -194,18 +181,13 @@ impl World {
     #[inline(always)]
     fn update<S: Simd>(&mut self, simd: S, place: usize) {
         let i = self.order[place] as usize;
-        let step = &self.steps[i];
+        let row = &self.rows[i];
         let stride = self.groups + 1;
         let force = &mut self.force[..stride];
-        let residual = step.b + dot(simd, &self.ar[i * stride..][..stride], force);
-        let group = &mut force[step.group];
-        let old = group[step.lane & 3];
-        let moved = old - residual * step.diag_inv;
-        let new = if moved < 0.0 { 0.0 } else { moved };
-        let delta = new - old;
-        let change = 0.5 * delta * delta * step.diag + delta * residual;
-        if change <= 1e-10 {
-            dense::set(std::slice::from_mut(group), step.lane, new);
+        let product = dot(simd, &self.ar[i * stride..][..stride], force);
+        let group = &mut force[row.group];
+        if let Some((new, change)) = row.step.update(product, group[row.lane & 3]) {
+            dense::set(std::slice::from_mut(group), row.lane, new);
             self.improvement -= change;
         }
     }
@@ -220,11 +202,7 @@ impl World {
                 turned += (force[k] - momentum[k]) * (momentum[k] - before[k]);
             }
         }
-        self.k = if self.sweeps > 0 && turned < 0.0 {
-            0.0
-        } else {
-            self.k + 1.0
-        };
+        self.kept.end_sweep(turned);
         self.sweeps += 1;
         self.improvement * self.scale < tolerance
     }
@@ -262,8 +240,8 @@ pub(super) fn sweep<S: Simd>(m: &Model, simd: S, worlds: &mut [World], orders: &
             world.extrapolate(orders, m.opt.iterations);
         }
         let mut long = left;
-        for place in 0..worlds[0].steps.len() {
-            while worlds[long - 1].steps.len() <= place {
+        for place in 0..worlds[0].rows.len() {
+            while worlds[long - 1].rows.len() <= place {
                 long -= 1;
             }
             for world in &mut worlds[..long] {

@@ -297,26 +297,27 @@ impl Vector {
     }
 
     /// Takes a step in each environment. Returns observations, rewards, terminated, truncated and
-    /// infos.
+    /// infos; these have the columns `ongoing` too, if no episode ends.
+    #[pyo3(signature = (actions, ongoing = None))]
     fn step<'py>(
         &self,
         py: Python<'py>,
         actions: &Bound<'py, PyAny>,
+        ongoing: Option<&Bound<'py, PyDict>>,
     ) -> PyResult<Bound<'py, PyTuple>> {
         let numbers = (&self.numbers, self.numbers.is_single(actions));
         let actions = self.actions(self.spec.num_envs, &self.actions, actions)?;
         let mut core = self.lock(py)?;
         let Core { envs, columns, .. } = &mut *core;
         py.detach(|| guard(|| envs.as_dyn().step_into(&actions, columns).or_raise()))?;
+        let flags = [&columns.terminated, &columns.truncated];
+        let has_ended = flags.into_iter().flatten().any(|flag| *flag);
         let [observations, rewards, terminated, truncated] = core.arrays(py)?;
-        (
-            observations,
-            rewards,
-            terminated,
-            truncated,
-            core.infos(py, || &self.info_keys(py)[1], numbers)?,
-        )
-            .into_pyobject(py)
+        let infos = core.infos(py, || &self.info_keys(py)[1], numbers)?;
+        if let Some(ongoing) = ongoing.filter(|_| !has_ended) {
+            infos.update(ongoing.as_mapping())?;
+        }
+        (observations, rewards, terminated, truncated, infos).into_pyobject(py)
     }
 
     /// Starts a step of the environments `ids`, and returns at once.

@@ -50,9 +50,11 @@ class Seeds:
         for index in indices:
             self._due.pop(index, None)
 
-    def step(self, native: Any, actions: Any, n: int) -> tuple[Any, Any, Any, Any, dict[str, Any]]:
-        """Takes a step, and resets environments as ``mode`` says."""
-        observations, rewards, terminated, truncated, infos = native.step(actions)
+    def step(
+        self, native: Any, actions: Any, n: int, ongoing: dict[str, Any] | None
+    ) -> tuple[Any, Any, Any, Any, dict[str, Any]]:
+        """Takes a step, and resets environments as ``mode`` says. ``ongoing`` joins the infos if no episode ends."""
+        observations, rewards, terminated, truncated, infos = native.step(actions, ongoing)
         if self._due:
             # the environments that are due took part in this step; the reset undoes that
             mask, seeds = self._mask(self._due, n), [self._due.get(index) for index in range(n)]

@@ -16,7 +16,8 @@ if TYPE_CHECKING:
 
 __all__ = ["TimeSteps"]
 
-_START = {"timestep.discount": None, "timestep.step_type": StepType.FIRST}
+_DISCOUNT, _STEP_TYPE = "timestep.discount", "timestep.step_type"
+_START = {_DISCOUNT: None, _STEP_TYPE: StepType.FIRST}
 
 
 class TimeSteps:
@@ -34,12 +35,13 @@ class TimeSteps:
         self._elapsed = np.zeros(num_envs, np.int64)
         self._together = 0
         self._has_ended = np.zeros(num_envs, np.bool_)
-        self._is_due = False
         # the columns while no episode ends or starts; nobody can write to them, so each step hands them out
         types = np.array([StepType.MID] * num_envs, dtype=object)
-        self._ongoing = self._columns(np.ones(num_envs), types, np.ones(num_envs, np.bool_))
-        for column in self._ongoing.values():
+        self._mid_columns = self._columns(np.ones(num_envs), types, np.ones(num_envs, np.bool_))
+        for column in self._mid_columns.values():
             column.flags.writeable = False
+        #: What the infos of a step have if no episode ends; ``None`` if one starts.
+        self.ongoing: dict[str, Any] | None = self._mid_columns
         self._limit = -1
         if max_episode_steps is not None and max_episode_steps >= 0:
             env = class_of(env_id)(**kwargs)
@@ -55,17 +57,15 @@ class TimeSteps:
 
     def step(self, envs: VectorEnv, terminated: Any, truncated: Any, infos: dict[str, Any], ids: Any = None) -> None:
         """Adds to the infos of a step of the environments ``ids``; of all unless given."""
-        ended = terminated | truncated
-        # in most steps no episode ends or starts: those take the shortest way
-        if ids is None and not self._is_due and not np.count_nonzero(ended):
+        if _DISCOUNT in infos:  # they have `ongoing`, as in most steps
             self._together += 1
-            infos.update(self._ongoing)
             return
+        ended = terminated | truncated
         rows = np.arange(envs.num_envs) if ids is None else np.asarray(ids)
         mode, due = envs.autoreset_mode, self._has_ended[rows]
         self._elapsed[rows] += 1
         self._has_ended[rows] = ended
-        self._is_due = bool(self._has_ended.any())
+        self.ongoing = None if self._has_ended.any() else self._mid_columns
         discounts = np.where(terminated, 0.0, 1.0)
         is_last = terminated | truncated & (self._elapsed[rows] + self._together != self._limit)
         types = np.array([StepType.LAST if last else StepType.MID for last in is_last], dtype=object)
@@ -76,11 +76,10 @@ class TimeSteps:
             return
         infos.pop("final_info", None), infos.pop("_final_info", None)
         for row, index in enumerate(rows):
-            info = {"timestep.discount": float(discounts[row]), "timestep.step_type": types[row]}
+            info = {_DISCOUNT: float(discounts[row]), _STEP_TYPE: types[row]}
             if starts[row] and mode is AutoresetMode.SAME_STEP:
                 envs._add_info(infos, {"final_info": info}, index)
             envs._add_info(infos, _START if starts[row] else info, index)
 
     def _columns(self, discounts: Any, types: Any, where: Any) -> dict[str, Any]:
-        discount, step_type = "timestep.discount", "timestep.step_type"
-        return {discount: discounts, f"_{discount}": where, step_type: types, f"_{step_type}": where}
+        return {_DISCOUNT: discounts, f"_{_DISCOUNT}": where, _STEP_TYPE: types, f"_{_STEP_TYPE}": where}

@@ -271,10 +271,11 @@ class VectorEnv(gymnasium.vector.VectorEnv[Any, Any, Any]):
         """
         if self._envs is not None:
             self._push_envs()
-        native, seeds = self._native, self._seeds
-        result = native.step(actions) if seeds is None else seeds.step(native, actions, self.num_envs)
-        if self._time_steps is not None:
-            self._time_steps.step(self, *result[2:])
+        native, seeds, time_steps = self._native, self._seeds, self._time_steps
+        ongoing = time_steps and time_steps.ongoing
+        result = native.step(actions, ongoing) if seeds is None else seeds.step(native, actions, self.num_envs, ongoing)
+        if time_steps is not None:
+            time_steps.step(self, *result[2:])
         if self._envs is not None:
             self._follow_envs(is_reset=False)
         return result

@@ -1,4 +1,4 @@
-//! `cargo xtask mjcf FILE`
+//! `cargo xtask mjcf MODEL`
 
 mod describe;
 mod film;
@@ -7,23 +7,23 @@ mod run;
 mod window;
 
 use std::path::PathBuf;
-#[cfg(feature = "human")]
 use std::sync::Arc;
 
 use crate::inputs;
 use crate::output::{say, text};
+use gym::sim::SimEnv;
 use gym::sim::engine::{Model, Revision};
 #[cfg(feature = "human")]
 use gym::sim::viewer::Viewer;
-use gym::{Error, Result};
+use gym::{EnvExt as _, Error, Result};
 
 #[derive(clap::Args)]
 pub(crate) struct Arguments {
-    /// A model in MJCF.
-    file: PathBuf,
-    /// The version of MuJoCo whose numbers the engine gives.
-    #[arg(long, value_name = "VERSION", default_value_t)]
-    mujoco: Revision,
+    /// A file in MJCF, or the id of an environment, whose model is taken.
+    model: PathBuf,
+    /// The version of MuJoCo whose numbers the engine gives, instead of 4.0 or the environment's.
+    #[arg(long, value_name = "VERSION")]
+    mujoco: Option<Revision>,
     /// Starts at a keyframe, given by its name or number.
     #[arg(long, value_name = "NAME")]
     keyframe: Option<String>,
@@ -41,7 +41,7 @@ pub(crate) struct Arguments {
 }
 
 pub(crate) fn mjcf(arguments: &Arguments) -> Result<()> {
-    let model = Model::from_path_with(&arguments.file, arguments.mujoco).map_err(refused)?;
+    let model = load(arguments)?;
     if arguments.window {
         return show(arguments, model);
     }
@@ -66,14 +66,33 @@ pub(crate) fn mjcf(arguments: &Arguments) -> Result<()> {
     }
 }
 
+/// The model of a file; where there is none, that of an environment.
+fn load(arguments: &Arguments) -> Result<Arc<Model>> {
+    let Arguments { model, mujoco, .. } = arguments;
+    let id = model.to_str().filter(|_| !model.exists());
+    if let Some(id) = id.filter(|id| gym::registry::find(id).is_ok()) {
+        let mut builder = gym::builder(id);
+        if let Some(mujoco) = mujoco {
+            builder = builder.arg("mujoco", mujoco.to_string());
+        }
+        let env = builder.build()?;
+        let env = env
+            .layer::<SimEnv>()
+            .ok_or_else(|| Error::custom(format!("{id} has no MuJoCo model")))?;
+        return Ok(env.simulation().model.clone());
+    }
+    let model = Model::from_path_with(model, mujoco.unwrap_or_default());
+    model.map(Arc::new).map_err(refused)
+}
+
 /// Shows a model in a window.
 #[cfg(feature = "human")]
-fn show(arguments: &Arguments, model: Model) -> Result<()> {
+fn show(arguments: &Arguments, model: Arc<Model>) -> Result<()> {
     let name = match &model.model {
-        name if name.is_empty() => arguments.file.display().to_string(),
+        name if name.is_empty() => arguments.model.display().to_string(),
         name => name.clone(),
     };
-    let mut viewer = Viewer::new(Arc::new(model))?;
+    let mut viewer = Viewer::new(model)?;
     if let Some(keyframe) = &arguments.keyframe {
         viewer.reset_to(keyframe)?;
     }
@@ -83,9 +102,9 @@ fn show(arguments: &Arguments, model: Model) -> Result<()> {
 }
 
 #[cfg(not(feature = "human"))]
-fn show(_: &Arguments, _: Model) -> Result<()> {
+fn show(_: &Arguments, _: Arc<Model>) -> Result<()> {
     Err(Error::custom(
-        "this program was built without windows: run `cargo xtask mjcf FILE --window`",
+        "this program was built without windows: run `cargo xtask mjcf MODEL --window`",
     ))
 }
 
@@ -96,4 +115,39 @@ fn show(_: &Arguments, _: Model) -> Result<()> {
 )]
 fn refused(error: gym::sim::engine::Error) -> Error {
     Error::custom(error.to_string())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use clap::Parser;
+
+    #[derive(Parser)]
+    struct Line {
+        #[command(flatten)]
+        arguments: Arguments,
+    }
+
+    #[test]
+    fn a_model_is_a_file_or_that_of_an_environment() {
+        let load = |line: &[&str]| {
+            let words = std::iter::once("mjcf").chain(line.iter().copied());
+            load(&Line::parse_from(words).arguments)
+        };
+        let [new, old] = ["4.0", "3.12"].map(|mujoco| {
+            let model = load(&["Humanoid-v5", "--mujoco", mujoco]).unwrap();
+            (model.nu(), model.revision)
+        });
+        assert_eq!((new.0, old.0), (17, 17));
+        assert_ne!(new.1, old.1);
+        for (name, part) in [
+            ("CartPole-v1", "no MuJoCo model"),
+            ("Humanoid-v99.xml", "Humanoid-v99.xml"),
+        ] {
+            let error = load(&[name]).unwrap_err().to_string();
+            assert!(error.contains(part), "{error}");
+        }
+        let error = load(&["CartPole-v1", "--mujoco", "3.12"]).unwrap_err();
+        assert!(error.to_string().contains("mujoco"), "{error}");
+    }
 }

@@ -12,6 +12,9 @@ use super::returns::{EPISODES, Measured, Returns, Summary};
 use super::{Book, Document, numbers};
 use crate::workspace::{self, Workspace};
 
+/// What stands for the description of a good policy where there is none.
+const NO_POLICY: &str = " No good policy is kept for it: [Training](../training.md) makes one. Pictures show random actions.";
+
 /// A page: the environments that one module registers.
 pub(super) struct Page {
     /// The name of the file, without its extension.
@@ -335,12 +338,14 @@ impl Page {
 
     fn returns(&self, returns: &Returns) -> String {
         let shown = self.shown();
-        let good = shown.page.policy.map_or_else(String::new, |policy| {
-            let (description, id) = (policy.description, shown.id());
-            format!(
-                " The good policy {description}. To play it: `cargo xtask run {id} --policy good`."
-            )
-        });
+        let good = match shown.page.policy {
+            Some(policy) => format!(
+                " The good policy {}. To play it: `cargo xtask run {} --policy good`.",
+                policy.description,
+                shown.id()
+            ),
+            None => NO_POLICY.to_owned(),
+        };
         format!(
             "Mean and standard deviation of the return, and mean number of steps, over {EPISODES} episodes \
              (seeds 0 to {}).{good}\n\n{}",

@@ -1,9 +1,10 @@
 #!/usr/bin/env python3
-"""Stable-Baselines3: SAC with hindsight replay learns to steer a ball to goals in a maze.
+"""Stable-Baselines3: SAC with hindsight replay learns to reach goals, with a ball in a maze or with an arm.
 
     pip install rustgym stable-baselines3
     python sb3_her.py [--seconds 600]
-    python sb3_her.py --package gymnasium_robotics      # the same on the package's own environment, if it is installed
+    python sb3_her.py --env FetchReach-v4               # the arm's models are in gymnasium-robotics==1.4.2, which is installed
+    python sb3_her.py --package gymnasium_robotics      # the same on the package's own environment
 
 An episode is a success if the goal is reached in any of its steps. Stops at the time, or at a success rate of 0.9 in the last
 50 episodes; then plays 100 others without noise.
@@ -13,6 +14,7 @@ import argparse
 import time
 from collections import deque
 from importlib import import_module
+from types import SimpleNamespace
 
 import gymnasium
 import numpy as np
@@ -35,8 +37,24 @@ def make():
     package = import_module(arguments.package)
     if arguments.package == "rustgym":
         return package.make(arguments.env)
+    mend()
     gymnasium.register_envs(package)
     return gymnasium.make(arguments.env)
+
+
+def mend():
+    """Gives Gymnasium-Robotics numbers in place of MuJoCo's enumerations, which later releases compare with nothing else."""
+    import mujoco
+    from gymnasium_robotics.utils import mujoco_utils
+
+    names = {name: getattr(mujoco, name) for name in dir(mujoco) if not name.startswith("__")}
+    for name in ["mjtJoint", "mjtObj", "mjtEq", "mjtTrn"]:
+        names[name] = SimpleNamespace(**{key: int(value) for key, value in names[name].__members__.items()})
+    mujoco_utils.mujoco = SimpleNamespace(**names)
+
+
+def succeeds(info):
+    return bool(info.get("is_success", info.get("success")))
 
 
 class Watch(BaseCallback):
@@ -44,14 +62,15 @@ class Watch(BaseCallback):
 
     def __init__(self):
         super().__init__()
-        self.recent, self.reached, self.start = deque(maxlen=50), False, time.perf_counter()
+        self.recent, self.episodes, self.reached = deque(maxlen=50), 0, False
+        self.start = time.perf_counter()
 
     def _on_step(self):
-        self.reached |= bool(self.locals["infos"][0]["success"])
+        self.reached |= succeeds(self.locals["infos"][0])
         if self.locals["dones"][0]:
             self.recent.append(self.reached)
-            self.reached = False
-            if len(self.recent) % 10 == 0 or self.is_over():
+            self.episodes, self.reached = self.episodes + 1, False
+            if self.episodes % 20 == 0 or self.is_over():
                 print(f"{time.perf_counter() - self.start:5.0f} s, {self.num_timesteps} steps: success rate {np.mean(self.recent):.2f}", flush=True)
         return not self.is_over()
 
@@ -85,7 +104,7 @@ for episode in range(arguments.episodes):
     while not done:
         action, _ = model.predict(observation, deterministic=True)
         observation, _, terminated, truncated, info = env.step(action)
-        success |= bool(info["success"])
+        success |= succeeds(info)
         done = terminated or truncated or success
     reached.append(success)
 print(f"{arguments.package}: success rate {np.mean(reached):.2f} in {arguments.episodes} episodes, after {model.num_timesteps} steps")

@@ -3,24 +3,29 @@
 
     pip install mujoco==4.0.0 pillow      and run it again with mujoco==3.12.0: each release has a column of its own
     tests/peers/robots.py MENAGERIE [--only WORD] [--steps 300] [--bits | --sheet]      at the root of the repository
-    tests/peers/robots.py --page          writes the page anew from docs/robots/measured.json
+    tests/peers/robots.py FOLDER --collection NAME      all models of a folder, such as a clone of dm_control: a row of the page's second table
+    tests/peers/robots.py --page          writes the page anew from docs/robots/measured.json and docs/robots/collections.json
 
 A robot is a file MENAGERIE/NAME/scene*.xml that the installed libmujoco loads (files for MJX are left out). It takes random controls, by one
 generator for each robot and scaled to their ranges, for so many steps; a robot is equal if qpos, qvel, act and sensordata have the same bits after
 1, 2, 5, 20, 100 and all of them, replayed by `cargo xtask replay`. The rates are the best of three runs on one thread: of
 `cargo xtask mjcf FILE --steps`, and of `mujoco.rollout`, with the same controls; `--bits` keeps the rates of an earlier run. `--sheet` draws docs/robots/robots.png by `cargo xtask mjcf FILE --out`.
+A collection is every *.xml below a folder that libmujoco loads. Of a model that takes libmujoco more than 20 seconds, as many steps are compared.
 """
+import collections
 import json
+import math
 import os
 import re
 import subprocess
 import sys
 import tempfile
+import time
 from pathlib import Path
 
 import timing  # first: it keeps numpy to one thread
 
-MEASURED, PAGE, SHEET = (Path("docs/robots") / name for name in ("measured.json", "../robots.md", "robots.png"))
+MEASURED, COLLECTIONS, PAGE, SHEET = (Path("docs/robots") / name for name in ("measured.json", "collections.json", "../robots.md", "robots.png"))
 ARRAYS = ("qpos", "qvel", "act", "sensordata")
 # the meshes of these are under the GPL: they have no picture here
 WITHOUT_PICTURE = ("shadow_hand",)
@@ -42,17 +47,20 @@ def controls(m, steps):
     return all
 
 
-def record(m, steps):
-    """The states after some steps, and the largest number of contacts."""
+def record(m, steps, seconds=math.inf):
+    """The states after some steps, and the largest number of contacts. Steps end after so many seconds."""
     import mujoco
 
-    d, marks, contacts = mujoco.MjData(m), {}, 0
+    d, marks, contacts, start = mujoco.MjData(m), {}, 0, time.monotonic()
     for step, control in enumerate(controls(m, steps), 1):
         d.ctrl[:] = control
         mujoco.mj_step(m, d)
         contacts = max(contacts, d.ncon)
-        if step in (1, 2, 5, 20, 100, steps):
+        late = time.monotonic() - start > seconds
+        if late or step in (1, 2, 5, 20, 100, steps):
             marks[str(step)] = {name: getattr(d, name).ravel().tolist() for name in ARRAYS}
+        if late:
+            break
     return marks, contacts
 
 
@@ -71,8 +79,6 @@ def first_difference(expected, found):
 
 def rollout(m, steps):
     """The best rate of `mujoco.rollout`, in steps per second."""
-    import time
-
     import mujoco
     import numpy as np
     from mujoco import rollout
@@ -89,7 +95,7 @@ def rollout(m, steps):
     return steps / min(times)
 
 
-def measure(file, steps, rates):
+def measure(file, steps, rates, seconds=math.inf):
     """What is known of a robot in the installed version; None if libmujoco refuses it. `rates`: those of an earlier run, or None to measure."""
     import mujoco
 
@@ -98,7 +104,7 @@ def measure(file, steps, rates):
     except Exception as error:
         print(f"{file}: libmujoco: {str(error).splitlines()[0][:120]}")
         return None
-    marks, contacts = record(m, steps)
+    marks, contacts = record(m, steps, seconds)
     result = {"nv": m.nv, "nu": m.nu, "triangles": m.nmeshface, "contacts": contacts}
     version = mujoco.__version__
     with tempfile.TemporaryDirectory() as folder:
@@ -117,6 +123,62 @@ def measure(file, steps, rates):
         ours = max((float(rate[1]) for text in runs if (rate := re.search(r"([\d.]+) steps per second", text))), default=0.0)
         rates = {"ours": round(ours), "libmujoco": round(rollout(m, steps))}
     return result | {"difference": difference} | rates
+
+
+def collection(root, steps):
+    """What is known of all models of a folder: how many libmujoco loads, and those of them that are refused or differ, with the reason."""
+    import mujoco
+
+    known = {"loads": 0, "equal": 0, "refused": {}, "differ": {}}
+    for file in sorted(root.rglob("*.xml")):
+        name = str(file.relative_to(root))
+        try:
+            result = measure(file, steps, {}, seconds=20)
+        except mujoco.FatalError as error:
+            print(f"{file}: libmujoco fails in a step: {error}")
+            continue
+        if result is None:
+            continue
+        known["loads"] += 1
+        if "refused" in result:
+            known["refused"][name] = result["refused"]
+        elif result["difference"]:
+            known["differ"][name] = result["difference"]
+        else:
+            known["equal"] += 1
+        print(name, result, flush=True)
+    return known
+
+
+def table(measured):
+    """The table of the collections."""
+    versions = sorted(measured, reverse=True)
+    names = list(dict.fromkeys(name for version in versions for name in measured[version]))
+    lines = [
+        "| collection | " + " | ".join(f"{v}: libmujoco loads | loads here | equal" for v in versions) + " |",
+        "|---|" + "---|---|---|" * len(versions),
+    ]
+    sums = [0] * 3 * len(versions)
+    for name in names:
+        cells = []
+        for v in versions:
+            known = measured[v].get(name, {"loads": 0, "equal": 0, "refused": {}})
+            cells += [known["loads"], known["loads"] - len(known["refused"]), known["equal"]]
+        sums = [a + b for a, b in zip(sums, cells)]
+        lines.append(f"| {name} | " + " | ".join(map(str, cells)) + " |")
+    return [*lines, "| all | " + " | ".join(map(str, sums)) + " |", "", *(f"- Refused with {v}: {causes(measured[v])}." for v in versions)]
+
+
+def causes(measured):
+    """Why models are refused, with the number of models."""
+    names = {"flexcomp": "flexes", "deformable": "flexes", "extension": "plugins", "sleep": "sleep"}
+    parts = collections.Counter()
+    for known in measured.values():
+        for reason in known["refused"].values():
+            words = re.search(r'<(\w+)>(?: attribute "(\w+)")?', reason)
+            found = [names[word] for word in words.groups() if word in names] if words else []
+            parts[found[0] if found else "what else the list of [what is read](mujoco-models.md#what-is-read) ends with"] += 1
+    return ", ".join(f"{part} ({count})" for part, count in parts.most_common())
 
 
 def sheet(robots):
@@ -181,20 +243,26 @@ def page(measured):
         if result and "refused" in result
     ]
     reasons = ["", "Refused, with the reason:", "", *refused] if refused else []
-    text = PAGE.read_text()
-    before, rest = text.split("<!-- measured -->\n")
-    _, after = rest.split("<!-- end -->\n")
-    PAGE.write_text(before + "<!-- measured -->\n\n" + "\n".join([head, *picture, "", *lines, *reasons]) + "\n\n<!-- end -->\n" + after)
+    replace("measured", [head, *picture, "", *lines, *reasons])
+    if COLLECTIONS.exists():
+        replace("collections", table(json.loads(COLLECTIONS.read_text())))
 
 
-def store(measured):
-    MEASURED.write_text(json.dumps(measured, indent=1, sort_keys=True) + "\n")
+def replace(mark, lines):
+    """Writes lines in place of what is on the page between a mark and the next end."""
+    before, rest = PAGE.read_text().split(f"<!-- {mark} -->\n")
+    _, after = rest.split("<!-- end -->\n", 1)
+    PAGE.write_text(before + f"<!-- {mark} -->\n\n" + "\n".join(lines) + "\n\n<!-- end -->\n" + after)
+
+
+def store(measured, to=MEASURED):
+    to.write_text(json.dumps(measured, indent=1, sort_keys=True) + "\n")
 
 
 def main():
     arguments = sys.argv[1:]
     option = lambda name, default: arguments.pop(arguments.index(name) + 1) if name in arguments else default
-    only, steps = option("--only", ""), int(option("--steps", 300))
+    only, steps, name = option("--only", ""), int(option("--steps", 300)), option("--collection", None)
     measured = json.loads(MEASURED.read_text()) if MEASURED.exists() else {"steps": steps, "versions": {}}
     if "--page" not in arguments:
         MEASURED.parent.mkdir(exist_ok=True)
@@ -202,6 +270,13 @@ def main():
         if not folders:
             sys.exit(__doc__)
         root = Path(folders[0])
+        if name:
+            import mujoco
+
+            all = json.loads(COLLECTIONS.read_text()) if COLLECTIONS.exists() else {}
+            all.setdefault(mujoco.__version__, {})[name] = collection(root, steps)
+            store(all, COLLECTIONS)
+            return page(measured)
         files = sorted(file for file in root.glob("*/*scene*.xml") if "mjx" not in file.name and only in str(file))
         robots = [(f"{file.parent.name}" + ("" if file.stem == "scene" else f"/{file.stem.removeprefix('scene_')}"), file) for file in files]
         if not files:

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Ranks of any launcher: SLURM, MPI, torchrun. A seed gives the same samples, and a run the same policy, for any number of ranks.
 
-    pip install rustgym torch
+    pip install ./crates/gym-python torch
     srun --ntasks 4 python launched_ranks.py --out FOLDER                   # SLURM; FOLDER is one that all nodes see
     torchrun --nproc-per-node 2 launched_ranks.py --out FOLDER              # or mpirun -n 2 python launched_ranks.py --out FOLDER
     python launched_ranks.py --ranks 1 2 4 --out FOLDER                     # without a launcher: starts them here, and compares

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Ray over several nodes: a seed gives the same samples, whatever runner plays it.
 
-    pip install rustgym "ray[rllib]" torch    # on each node
+    pip install ./crates/gym-python "ray[rllib]" torch    # on each node
     python ray_nodes.py                       # two nodes on this machine
     python ray_nodes.py --address auto        # the nodes of a cluster that runs
 

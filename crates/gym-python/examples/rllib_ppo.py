@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Ray RLlib: PPO learns to balance a pole, with environments in processes of their own.
 
-    pip install rustgym "ray[rllib]" torch
+    pip install ./crates/gym-python "ray[rllib]" torch
     python rllib_ppo.py [--way name|creator|vector] [--iterations 5]
 
 Ray's workers start without what the main program has registered. Each way of naming the environment therefore imports

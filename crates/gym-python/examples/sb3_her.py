@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Stable-Baselines3: SAC with hindsight replay learns to reach goals, with a ball in a maze or with an arm.
 
-    pip install rustgym stable-baselines3
+    pip install ./crates/gym-python stable-baselines3
     python sb3_her.py [--seconds 600]
     python sb3_her.py --env FetchReach-v4               # the arm's models are in gymnasium-robotics==1.4.2, which is installed
     python sb3_her.py --package gymnasium_robotics      # the same on the package's own environment

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Stable-Baselines3: PPO learns to balance a pole, on a vector of this package.
 
-    pip install rustgym stable-baselines3
+    pip install ./crates/gym-python stable-baselines3
     python sb3_ppo.py [--steps 100000]
 """
 

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """PPO in a single file, in the manner of CleanRL: the whole learner is on this page, on a vector of this package.
 
-    pip install rustgym torch
+    pip install ./crates/gym-python torch
     python single_file_ppo.py [--env CartPole-v1] [--steps 150000]
 
 A step after the end of an episode starts the next one and ignores its action (autoreset "NextStep"); such steps are left

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """TorchRL: an environment by name, a vector as a batch, and collectors on the nodes of Ray.
 
-    pip install rustgym torchrl "ray[default]"    # on each node
+    pip install ./crates/gym-python torchrl "ray[default]"    # on each node
     python torchrl_collect.py                     # two nodes on this machine
     python torchrl_collect.py --address auto      # the nodes of a cluster that runs
 

@@ -7,6 +7,38 @@ fn its_cells_run() {
     notebook().unwrap();
 }
 
+/// Cargo refuses a dependency whose package has another name than its folder's manifest.
+#[test]
+fn pages_name_the_package_of_the_facade() {
+    let manifest = include_str!("../../../crates/gym/Cargo.toml");
+    let name = manifest
+        .lines()
+        .find_map(|line| line.strip_prefix("name = "))
+        .unwrap();
+    for (page, text) in [
+        ("README.md", include_str!("../../../README.md")),
+        (
+            "first-steps.md",
+            include_str!("../../../docs/first-steps.md"),
+        ),
+        (
+            "notebook.ipynb",
+            include_str!("../../../docs/notebook.ipynb"),
+        ),
+    ] {
+        let text = text.replace("\\\"", "\"");
+        let dependencies: Vec<_> = text
+            .lines()
+            .filter(|line| line.contains("gym = {"))
+            .collect();
+        assert!(!dependencies.is_empty(), "{page}");
+        for dependency in dependencies {
+            let named = format!("package = {name}");
+            assert!(dependency.contains(&named), "{page}: {dependency}");
+        }
+    }
+}
+
 #[test]
 fn it_was_run_and_shows_pictures() {
     let text = include_str!("../../../docs/notebook.ipynb");

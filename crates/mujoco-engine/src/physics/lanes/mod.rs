@@ -3,6 +3,16 @@
 //! The smooth stages run for all worlds at once. Each world has the same bits as a world that steps
 //! alone. Every function called under `vectorize` is `#[inline(always)]`: otherwise the compiler
 //! would not use the CPU's vector instructions in the function.
+//!
+//! | file | what |
+//! |---|---|
+//! | `worlds`, `group` | worlds in columns, and worlds that are owned one by one |
+//! | `derived` | a step of environments, and the arrays that they read after it |
+//! | `fits` | which models and CPUs step worlds together |
+//! | `stages`, `tree`, `actuators`, `sensors` | the smooth stages |
+//! | `rows` | rows of constraints |
+//! | `newton`, `gauss_seidel`, `alone` | constraint forces; `alone` solves world by world |
+//! | `arrays`, `per_world` | the memory, and the registers |
 
 mod actuators;
 mod alone;

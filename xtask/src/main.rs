@@ -5,7 +5,7 @@
 //! optimisation or with rapier2d. Therefore this program has few dependencies, and builds
 //! `commands` in several ways:
 //! - Commands that play are built with optimisation, and commands that measure with the most.
-//!   `list`, `help` and `new` are built without, unless the optimised program exists.
+//!   Commands that need no speed are built without, unless the optimised program exists.
 //! - The first demo is built in two parts: the GIFs of the small families appear while the other
 //!   families are compiled.
 //! - `play` is built with windows, and `conform` with a counting allocator. Native vectors are built
@@ -51,7 +51,7 @@ fn run(arguments: &[OsString]) -> Result<ExitCode, String> {
         [help] if ["help", "--help", "-h"].contains(&&*help.to_string_lossy()) => {
             let code = commands(arguments)?;
             say(format_args!(
-                "\n`cargo xtask web` builds a page that runs every environment in a browser: `cargo xtask web --help`."
+                "\n`cargo xtask web` builds a page that runs the environments in a browser: `cargo xtask web --help`."
             ))?;
             Ok(code)
         }

@@ -1,4 +1,4 @@
-//! `cargo xtask web`: the gallery, every environment in the browser, as a folder of static files or
+//! `cargo xtask web`: the gallery, the environments in the browser, as a folder of static files or
 //! as one file.
 
 mod serve;
@@ -16,7 +16,7 @@ use crate::{cargo, collision, files, root, say, target_dir};
 
 const TARGET: &str = "wasm32-unknown-unknown";
 const USAGE: &str = "\
-Builds the gallery: a page that runs every environment in the browser
+Builds the gallery: a page that runs the environments in the browser
 
 Usage: cargo xtask web [OPTIONS]
 

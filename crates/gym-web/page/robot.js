@@ -73,7 +73,7 @@ function choose(page, fault = null) {
       h("p", { class: "quiet" }, LIMITS_IN_WORDS)),
     h("div", { class: "card robot-sample" },
       h("h2", {}, "No robot at hand?"),
-      h("p", {}, "Start with a table on four legs: it lies on the ground, and its sliders let it stand."),
+      h("p", {}, "Start with a table on four legs: it lies on the ground, and stands up if you move its sliders to the right, the upper ones first."),
       h("button", { type: "button", id: "robot-sample", onclick: sample }, "Try the table"),
       h("p", { class: "quiet" }, "Or take a robot of ", h("a", { href: "https://github.com/google-deepmind/mujoco_menagerie" }, "MuJoCo Menagerie"), ": download it, unpack it, and drop the folder of one robot, such as unitree_go2."))));
 }

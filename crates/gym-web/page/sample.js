@@ -35,7 +35,7 @@ export const SAMPLE = `<mujoco model="table on four legs">
   </worldbody>
   <equality>${["front", "back"].map((end) => same(end, "hip") + same(end, "knee")).join("")}
   </equality>
-  <actuator>${both("hip", 80, 30)}${both("knee", 80, 30)}
+  <actuator>${both("hip", 60, 60)}${both("knee", 60, 60)}
   </actuator>
   <sensor>
     <framepos name="height of the table" objtype="site" objname="middle"/>

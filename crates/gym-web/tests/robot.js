@@ -257,6 +257,20 @@ export async function robotTests({ test, open, find, text, until, button, check,
     return `its middle is ${height()} m high`;
   });
 
+  await test("it stands too if a person moves one slider after the other, as far as it goes", async () => {
+    button("Restart").click();
+    const height = () => Number(/z ([−\d.]+)/.exec(text(".robot-sensor .bar-value"))?.[1].replace("−", "-"));
+    await until(() => height() < 0.15, "the table on the ground");
+    for (const { ariaLabel, max } of all(".robot-slider input")) {
+      slide(ariaLabel, max);
+      const since = time();
+      await until(() => time() > since + 1, "a second");
+    }
+    await until(() => height() > 0.36, `a table that stands, now ${height()}`);
+    await sleep(1500);
+    check(height() > 0.36, `it fell to ${height()}`);
+  });
+
   // Each is an error in words, soon, after which the page goes on.
   const refusals = [
     ["a mesh of 1 GB", () => drop(roots({ "a.xml": ARM, "assets/cube.obj": { size: GIGABYTE, name: "cube.obj" } })), /assets\/cube\.obj has 1024 MB; the limit is 64 MB/],

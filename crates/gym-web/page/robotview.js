@@ -53,8 +53,10 @@ export function robotView(page, model, path, files) {
       h("div", { class: "play-side" }, sliders.element, sensors.element, card("Model", about(model)))),
     help);
   const endHands = hands(view, { ...transport, sliders });
+  const speedOf = measure(view);
   draw(view, report, (picture) => {
-    clock.textContent = `${picture.time.toFixed(2)} s`;
+    const speed = speedOf(picture.time);
+    clock.textContent = `${picture.time.toFixed(2)} s${speed < 0.9 * view.speed ? ` at ${speed.toPrecision(1)}×` : ""}`;
     if (view.contacts) transport.count(picture.contacts);
     sliders.update(picture.controls);
   });
@@ -62,6 +64,17 @@ export function robotView(page, model, path, files) {
     view.ended = true;
     endHands();
     sensors.end();
+  };
+}
+
+// Returns a function that takes the model's time and returns the speed that the last second reached.
+function measure(view) {
+  let [since, from, speed] = [0, Infinity, 0];
+  return (time) => {
+    const now = performance.now();
+    if (view.paused || time < from) [since, from, speed] = [now, time, view.speed];
+    else if (now > since + 1000) [speed, since, from] = [((time - from) * 1000) / (now - since), now, time];
+    return speed;
   };
 }
 

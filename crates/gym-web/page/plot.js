@@ -59,7 +59,10 @@ export function plot(canvas, series, { from = 1, line = null, step = 1, unit = "
   pen.textAlign = "center";
   pen.textBaseline = "bottom";
   const whole = ticks(from, from + length - 1, Math.max(2, width / 90)).filter(Number.isInteger);
-  for (const tick of whole) pen.fillText(label(tick * step) + unit, Math.min(Math.max(x(tick - from), left + 4), right - 8), height - 2);
+  for (const tick of whole) {
+    const text = label(tick * step) + unit;
+    pen.fillText(text, Math.min(Math.max(x(tick - from), left + 4), width - pen.measureText(text).width / 2), height - 2);
+  }
   if (line !== null) {
     pen.strokeStyle = colour(canvas, "--good");
     pen.setLineDash([4, 4]);

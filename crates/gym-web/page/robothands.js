@@ -121,7 +121,8 @@ function byKeys(view, controls, send, signal) {
   };
   addEventListener("keydown", (event) => {
     const { target, key } = event;
-    if (event.ctrlKey || event.metaKey || event.altKey || target.matches?.("input:not([type=range]), textarea, select")) return;
+    // (some keyboards have brackets behind AltGr)
+    if ((event.ctrlKey || event.metaKey || event.altKey) && !event.getModifierState("AltGraph") || target.matches?.("input:not([type=range]), textarea, select")) return;
     // a button takes the space bar, and a slider the arrows
     if (key === " " && target.matches?.("button, a")) return;
     const arrow = target.matches?.("input[type=range]") ? null : arrows[key];

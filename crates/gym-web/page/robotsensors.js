@@ -29,7 +29,7 @@ export function sensorCard(view) {
       fill();
     };
     const element = h("div", { class: "robot-sensor" },
-      h("div", { class: "code-head" }, h("span", {}, sensors[i].name, " ", h("span", { class: "quiet" }, sensors[i].kind)), h("button", { type: "button", class: "small", "aria-label": `Hide ${sensors[i].name}`, onclick: remove }, "×")),
+      h("div", { class: "code-head" }, h("span", {}, sensors[i].name, " ", h("span", { class: "quiet" }, sensors[i].kind.toLowerCase())), h("button", { type: "button", class: "small", "aria-label": `Hide ${sensors[i].name}`, onclick: remove }, "×")),
       canvas, value);
     shown.set(i, { canvas, value });
     list.append(element);
@@ -45,7 +45,8 @@ export function sensorCard(view) {
       const numbers = await view.page.ask({ do: "history", sensor: i }).catch(() => null);
       if (view.ended || !numbers?.length || !numbers[0].length) continue;
       const last = numbers.map((values) => number(values.at(-1)));
-      value.textContent = last.length > 1 ? last.slice(0, 4).map((text, k) => `${AXES[k]} ${text}`).join("  ") : last[0];
+      // each axis in the colour of its line
+      value.replaceChildren(...(last.length > 1 ? last.slice(0, 4).flatMap((text, k) => [k ? "  " : "", h("b", { style: `color: var(${COLOURS[k]})` }, AXES[k]), ` ${text}`]) : last));
       plot(canvas, numbers.slice(0, 4).map((values, k) => ({ values, colour: COLOURS[k] })), { from: 0, step: SAMPLE, unit: " s" });
     }
     busy = false;

@@ -23,7 +23,7 @@ export function sliderCard(view) {
       h("button", { type: "button", class: "small", onclick: restart }, "All to their start")]
     : [h("p", { class: "quiet" }, "This model has no actuators: it only falls, and can be pulled.")];
   return {
-    element: card("Actuators", ...content), restart,
+    element: card(`Actuators: ${model.controls.length}`, ...content), restart,
     // Shows the module's controls: a keyframe sets them too.
     update: (controls) => rows.forEach((row, i) => row.show(controls[i])),
   };

@@ -147,6 +147,26 @@ fn pictures_of_every_size_are_minigrids() {
     }
 }
 
+/// Turns on the spot, which ends no episode, until the limit.
+#[test]
+fn limits_are_minigrids() {
+    let lines = include_str!("limits.txt");
+    assert_eq!(lines.lines().count(), 172);
+    for line in lines.lines() {
+        let mut words = line.split(' ');
+        let mut env = make(words.next().unwrap()).unwrap();
+        for (seed, limit) in words.enumerate() {
+            let mut observation = env.reset(seed as u64).unwrap();
+            let mut steps = 1;
+            let turn = Value::Int(0);
+            while !env.step_into(&turn, &mut observation).unwrap().done() {
+                steps += 1;
+            }
+            assert_eq!(steps.to_string(), limit, "{line}, seed {seed}");
+        }
+    }
+}
+
 #[test]
 fn wrappers_are_minigrids() {
     let lines = include_str!("wrappers.txt");

@@ -4,6 +4,7 @@
     pip install minigrid==3.2.0 gymnasium==1.4.0
     python record.py SEEDS STEPS [--all] [WORD] > episodes.txt
     python record.py --pictures > pictures.txt
+    python record.py --limits > limits.txt
     NPY_DISABLE_CPU_FEATURES="X86_V4 AVX512_ICL AVX512_SPR" python record.py --wrappers > wrappers.txt
 
 numpy's `arctan2` has another last bit on CPUs with AVX-512; without, it is the C library's.
@@ -12,6 +13,7 @@ A line is an id, a seed, and `step:checksum` after some steps (after all of them
 A checksum is the CRC-32 of all that happened so far: direction, picture of cells, mission, reward and flags of each step. An episode
 that ended is reset without a seed. Actions come from a linear congruential generator that starts with the seed.
 
+A line of `limits.txt` is an id and its limits of steps after resets with the seeds 0, 1 and 2.
 A line of `pictures.txt` is an id, a tile size, `highlight` and `agent_pov` as 0 or 1, and the CRC-32 of the picture after ten steps.
 A line of `wrappers.txt` is an id, a wrapper, its arguments, and the CRC-32 of observations (the arrays in the order of sorted keys), rewards
 and flags of 60 steps.
@@ -119,15 +121,28 @@ def wrappers():
             print(id, name, json.dumps(kwargs, separators=(",", ":")), f"{crc:08x}")
 
 
+def limits(id):
+    env = gymnasium.make(id).unwrapped
+    found = [id]
+    for seed in range(3):
+        env.reset(seed=seed)
+        found.append(str(env.max_steps))
+    return " ".join(found)
+
+
 def main():
     if "--pictures" in sys.argv:
         return pictures()
     if "--wrappers" in sys.argv:
         return wrappers()
-    every = "--all" in sys.argv
-    seeds, steps, *words = [word for word in sys.argv[1:] if word != "--all"]
     ids = [id for id in sorted(gymnasium.registry) if id.startswith(("MiniGrid-", "BabyAI-")) and "-WFC-" not in id]
     stdout, sys.stdout = sys.stdout, sys.stderr  # minigrid prints
+    if "--limits" in sys.argv:
+        for id in ids:
+            print(limits(id), file=stdout)
+        return None
+    every = "--all" in sys.argv
+    seeds, steps, *words = [word for word in sys.argv[1:] if word != "--all"]
     for seed in map(int, seeds.split(",")):
         for id in ids:
             if not words or words[0] in id:

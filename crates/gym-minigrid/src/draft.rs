@@ -20,7 +20,7 @@ pub type Generated<T = ()> = std::result::Result<T, GenerationError>;
 
 /// The largest number of random draws per episode. Only a level whose objects do not fit reaches
 /// this number.
-const MAX_CHOICES: u32 = 2_000_000;
+pub(crate) const MAX_CHOICES: u32 = 2_000_000;
 
 /// A rectangle: the position of its top left corner, width and height.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -53,15 +53,16 @@ pub struct Draft<'a> {
     /// The world.
     pub world: &'a mut World,
     rng: &'a mut Generator,
+    /// The random draws that are left.
     choices: u32,
 }
 
 impl<'a> Draft<'a> {
-    pub(crate) fn new(world: &'a mut World, rng: &'a mut Generator) -> Self {
+    pub(crate) fn new(world: &'a mut World, rng: &'a mut Generator, choices: u32) -> Self {
         Self {
             world,
             rng,
-            choices: 0,
+            choices,
         }
     }
 
@@ -88,17 +89,15 @@ impl<'a> Draft<'a> {
     /// # Errors
     /// [`GenerationError::Impossible`] for an empty range, and if a level needs too many choices.
     pub fn int(&mut self, low: i32, high: i32) -> Generated<i32> {
-        self.choices += 1;
-        if low >= high || self.choices > MAX_CHOICES {
-            return Err(GenerationError::Impossible(if low >= high {
-                format!(
-                    "there is no place from {low} to {}: make the grid larger",
-                    high - 1
-                )
-            } else {
-                "no level fits the arguments: make the grid larger, or place fewer objects".into()
-            }));
+        if low >= high {
+            let reason = format!("there is no place from {low} to {}", high - 1);
+            return Err(GenerationError::Impossible(reason));
         }
+        let Some(left) = self.choices.checked_sub(1) else {
+            let reason = "no level fits the arguments";
+            return Err(GenerationError::Impossible(reason.into()));
+        };
+        self.choices = left;
         Ok(self.rng.integers(low.into(), high.into()) as i32)
     }
 
@@ -121,7 +120,7 @@ impl<'a> Draft<'a> {
     /// [`GenerationError::Impossible`] for an empty list, and the errors of [`int`](Self::int).
     pub fn pick<T: Copy>(&mut self, list: &[T]) -> Generated<T> {
         if list.is_empty() {
-            let reason = "there is nothing to choose from: place more objects, or more rooms";
+            let reason = "there is nothing to choose from";
             return Err(GenerationError::Impossible(reason.into()));
         }
         Ok(list[self.int(0, list.len() as i32)? as usize])

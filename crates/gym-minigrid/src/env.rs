@@ -16,7 +16,8 @@ use gym_core::{
 use serde::{Deserialize, Serialize};
 use serde_json::Value as Json;
 
-use crate::draft::{Draft, GenerationError};
+use crate::advice::{Read, advice, generate, read};
+use crate::draft::{GenerationError, MAX_CHOICES};
 use crate::level::{Level, Rules, View};
 use crate::picture::Picture;
 use crate::view::MAX_VIEW;
@@ -29,8 +30,9 @@ use crate::{Action, Grid, World, vector};
 #[derive(Clone, Debug)]
 pub struct GridEnv {
     level: Arc<dyn Level>,
-    /// The arguments, as JSON.
+    /// The arguments, as JSON, and how another level is read from others.
     config: Arc<Json>,
+    read: Read,
     facts: Arc<Facts>,
     picture: Arc<Picture>,
     episode: Option<Episode>,
@@ -56,22 +58,26 @@ impl GridEnv {
     ///
     /// # Errors
     /// [`Error::InvalidArgument`] for an argument out of range.
-    pub fn new<L: Level + Serialize>(level: L) -> Result<Self> {
+    pub fn new<L: Level + Arguments>(level: L) -> Result<Self> {
         let config = serde_json::to_value(&level);
-        Self::of(Arc::new(level), config)
+        Self::of(Arc::new(level), config, read::<L>)
     }
 
-    fn of(level: Arc<dyn Level>, config: serde_json::Result<Json>) -> Result<Self> {
+    fn of(level: Arc<dyn Level>, config: serde_json::Result<Json>, read: Read) -> Result<Self> {
         let name = level.name();
-        let facts = Facts::new(&*level).map_err(|reason| Error::argument(name, reason))?;
-        let picture = Picture::new(&facts).map_err(|reason| Error::argument(name, reason))?;
         let mut config = config.map_err(|error| Error::argument(name, error.to_string()))?;
+        let facts = Facts::new(&*level).map_err(|reason| {
+            let advice = advice(&*level, read, &config);
+            Error::argument(name, advised(reason, advice))
+        })?;
+        let picture = Picture::new(&facts).map_err(|reason| Error::argument(name, reason))?;
         // store the value in use; `max_steps` stays as given, because the value in use can depend
         // on the mission
         config["see_through_walls"] = facts.rules.see_through_walls.into();
         Ok(Self {
             level,
             config: config.into(),
+            read,
             picture: picture.into(),
             facts: facts.into(),
             episode: None,
@@ -88,36 +94,22 @@ impl GridEnv {
         self.episode.as_ref().map(|episode| &episode.world)
     }
 
-    fn refuse<T>(&self, reason: impl Into<String>) -> Result<T> {
-        Err(Error::argument(self.level.name(), reason))
-    }
-
     fn start(&self, mut rng: Generator) -> Result<Episode> {
-        let Rules {
-            width,
-            height,
-            max_steps,
-            ref missions,
-            ..
-        } = self.facts.rules;
-        let mut world = World::new(width as i32, height as i32, max_steps);
-        if missions.words().is_empty() {
-            world.mission.push_str(missions.pattern());
-        }
-        match self.level.generate(&mut Draft::new(&mut world, &mut rng)) {
-            Ok(()) => {}
-            Err(GenerationError::Impossible(reason)) => return self.refuse(reason),
-            Err(GenerationError::Rejected(reason)) => {
-                return self.refuse(format!(
-                    "{reason}: reset with another seed, or make the grid larger or its objects fewer"
-                ));
+        match generate(&*self.level, &self.facts, &mut rng, MAX_CHOICES) {
+            Ok(world) => Ok(Episode { world, rng }),
+            Err(error) => {
+                let reason = match error {
+                    GenerationError::Impossible(reason) => reason,
+                    GenerationError::Rejected(reason) => reason.to_owned(),
+                };
+                let advice = advice(&*self.level, self.read, &self.config)
+                    .unwrap_or_else(|| "change several arguments".to_owned());
+                Err(Error::argument(
+                    self.level.name(),
+                    advised(reason, Some(advice)),
+                ))
             }
         }
-        if !world.grid.contains(world.agent) || !world.grid.get(world.agent).can_overlap() {
-            let place = [world.agent.x, world.agent.y];
-            return self.refuse(format!("the agent starts at {place:?}, which is not free"));
-        }
-        Ok(Episode { world, rng })
     }
 
     /// Returns the world that frames show: the agent already carries its pending object.
@@ -128,8 +120,16 @@ impl GridEnv {
     }
 }
 
+/// A reason, and what to do about it.
+fn advised(reason: String, advice: Option<String>) -> String {
+    match advice {
+        Some(advice) => format!("{reason}; {advice}"),
+        None => reason,
+    }
+}
+
 impl Facts {
-    fn new(level: &dyn Level) -> Result<Self, String> {
+    pub(crate) fn new(level: &dyn Level) -> Result<Self, String> {
         let view: View = level.as_ref().clone();
         let mut rules = level.rules()?;
         let size = view.agent_view_size;

@@ -21,9 +21,8 @@
 //! Linking this crate registers the tasks of [`tasks`] and [`babyai`]; name it
 //! (`use gym_minigrid as _;`) if nothing else of it is used.
 #![warn(clippy::disallowed_methods)]
-// unit tests register no environment, so that unused code is not compiled into them
-#![cfg_attr(test, allow(dead_code, unused_imports))]
 
+mod advice;
 pub mod babyai;
 mod cell;
 mod draft;

@@ -124,7 +124,7 @@ impl<'d, 'a> Rooms<'d, 'a> {
             return Ok((j * self.columns + i) as usize);
         }
         Err(GenerationError::Impossible(format!(
-            "there is no room in column {i} and row {j}: have more rooms"
+            "there is no room in column {i} and row {j}"
         )))
     }
 
@@ -227,7 +227,7 @@ impl<'d, 'a> Rooms<'d, 'a> {
         let room = &mut self.rooms[index];
         let (Some(neighbor), Way::Closed) = (room.neighbors[wall], room.ways[wall]) else {
             return Err(GenerationError::Impossible(
-                "there is no wall for a door: have more rooms".into(),
+                "there is no wall for a door".into(),
             ));
         };
         room.locked = locked;
@@ -245,7 +245,7 @@ impl<'d, 'a> Rooms<'d, 'a> {
         let index = self.index(i, j)?;
         let Some(neighbor) = self.rooms[index].neighbors[wall] else {
             return Err(GenerationError::Impossible(
-                "there is no wall to remove: have more rooms".into(),
+                "there is no wall to remove".into(),
             ));
         };
         let (top, last) = (self.rooms[index].area.top, self.room_size - 1);

@@ -15,7 +15,7 @@ use gym_core::registry::Exceptions;
 use gym_core::{Generator, Outcome};
 
 use super::{DIRECTION, direction, ids};
-use crate::draft::Area;
+use crate::draft::{Area, MAX_CHOICES};
 use crate::level::{Level, Rules, level};
 use crate::{Action, Cell, Color, Draft, Generated, Kind, Pos, World};
 
@@ -84,7 +84,7 @@ impl Level for DynamicObstacles {
             };
             let around = Area::new(old.x - 1, old.y - 1, 3, 3);
             // a ball with no free position around it stays
-            if Draft::new(world, rng)
+            if Draft::new(world, rng, MAX_CHOICES)
                 .place_if(ball, around, MAX_TRIES, |_, _| true)
                 .is_ok()
             {

@@ -72,10 +72,7 @@ macro_rules! ids {
         ids! { @($level, $sentence, Some($crate::planner::POLICY)) [.exceptions($exceptions)] $($ids)+ }
     };
     (@$facts:tt $more:tt $($id:literal, $kwargs:literal;)+) => {
-        #[cfg(not(test))]
         gym_core::register!($(ids! { @one $facts $more $id, $kwargs }),+);
-        #[cfg(test)]
-        const _: &[gym_core::Registration] = &[$(ids! { @one $facts $more $id, $kwargs }),+];
     };
     (@one ($level:ty, $sentence:literal, $policy:expr) [$($more:tt)*] $id:literal, $kwargs:literal) => {
         $crate::env::register::<$level>($id, $sentence, $policy).kwargs($kwargs)$($more)*

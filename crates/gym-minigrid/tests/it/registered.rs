@@ -171,24 +171,85 @@ fn a_grid_without_room_is_an_error() {
 
 #[test]
 fn a_level_that_cannot_be_says_what_would_help() {
-    for (id, name, value, reason) in [
+    for (id, name, value, says) in [
         (
             "BabyAI-GoToLocal-v0",
             "num_dists",
-            json!(0),
-            "there is nothing to choose from: place more objects",
+            0,
+            "there is nothing to choose from; set `num_dists` to 1",
         ),
         (
             "MiniGrid-Dynamic-Obstacles-8x8-v0",
             "size",
-            json!(3),
-            "no free place was found: reset with another seed, or make the grid larger",
+            3,
+            "no free place was found; set `n_obstacles` to 0, or `size` to 4",
+        ),
+        (
+            "MiniGrid-Fetch-5x5-N2-v0",
+            "numObjs",
+            10,
+            "no level fits the arguments; set `numObjs` to 8, or `size` to 6",
+        ),
+        (
+            "MiniGrid-RedBlueDoors-6x6-v0",
+            "size",
+            2,
+            "from 3 to 255 each are possible; set `size` to 3",
         ),
     ] {
-        let mut env = builder(id).arg(name, value).build().unwrap();
-        let error = env.reset(0).unwrap_err().to_string();
-        assert!(error.contains(reason), "{id}: {error}");
+        let made = builder(id).arg(name, value).build();
+        let error = made.and_then(|mut env| env.reset(0)).unwrap_err();
+        assert!(error.to_string().ends_with(says), "{id}: {error}");
     }
+}
+
+/// What a level's refusal advises helps: each whole number at its lowest values, for each level.
+#[test]
+fn the_lowest_values_are_possible_or_the_next_that_are_named() {
+    let play = |id: &str, name: &str, value: u64, seed| {
+        let made = builder(id).arg(name, value).build();
+        made.and_then(|mut env| env.reset(seed))
+    };
+    let (mut levels, mut refused) = (std::collections::BTreeSet::new(), 0);
+    for registration in registry::all() {
+        let (id, env) = (registration.id(), make(registration.id()).unwrap());
+        let shared = [
+            "max_steps",
+            "agent_view_size",
+            "tile_size",
+            "screen_size",
+            "agent_start_dir",
+        ];
+        for argument in registration.arguments().unwrap() {
+            let name = argument.name;
+            let level = (env.describe(), name);
+            if argument.kind != "integer" || shared.contains(&name) || !levels.insert(level) {
+                continue;
+            }
+            for value in 0..4 {
+                let Err(error) = play(id, name, value, 0) else {
+                    continue;
+                };
+                refused += 1;
+                let error = error.to_string();
+                let names = format!("`{name}` to ");
+                let Some((_, least)) = error.split_once(&names) else {
+                    panic!("{id}, {name} {value}: {error}");
+                };
+                let digits = least.find(|c: char| !c.is_ascii_digit());
+                let least: u64 = least[..digits.unwrap_or(least.len())].parse().unwrap();
+                for seed in 0..2 {
+                    let helped = play(id, name, least, seed);
+                    assert!(helped.is_ok(), "{id}, {name} {value}: {error}; {helped:?}");
+                }
+            }
+        }
+    }
+    assert!(
+        levels.len() > 60 && refused > 60,
+        "{refused} {}",
+        levels.len()
+    );
 }
 
 /// In `DynamicObstacles` the actions beyond the action space turn left, as in minigrid.

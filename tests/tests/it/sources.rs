@@ -1,4 +1,4 @@
-//! Checks the rule of CONTRIBUTING.md on the length of files.
+//! Checks the rules on files: their length, and that the tests within them run.
 
 use std::path::{Path, PathBuf};
 
@@ -68,4 +68,34 @@ fn no_file_is_too_long_but_the_exceptions() {
             "{path} has no more than {MOST} lines, or is not there: take it out of the exceptions"
         );
     }
+}
+
+/// A library without a test program has no tests within, which would never run.
+#[test]
+fn tests_within_a_library_run() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
+    let mut without = 0;
+    for entry in std::fs::read_dir(root.join("crates")).expect("a folder") {
+        let folder = entry.expect("an entry").path();
+        let Ok(manifest) = std::fs::read_to_string(folder.join("Cargo.toml")) else {
+            continue;
+        };
+        let (_, library) = manifest.split_once("[lib]").unwrap_or_default();
+        let library = library.split("\n[").next().unwrap_or_default();
+        if !library.lines().any(|line| line.trim() == "test = false") {
+            continue;
+        }
+        without += 1;
+        let mut files = Vec::new();
+        sources(&folder.join("src"), &mut files);
+        for file in files {
+            let text = std::fs::read_to_string(&file).expect("UTF-8");
+            assert!(
+                !text.contains("cfg(test)"),
+                "{}: no program runs these tests: put them into `tests`",
+                file.display()
+            );
+        }
+    }
+    assert!(without > 5, "{without}");
 }

@@ -49,39 +49,3 @@ impl Moving {
         ]
     }
 }
-
-#[cfg(test)]
-mod tests {
-    use mujoco_engine::forward;
-
-    use super::*;
-
-    /// MuJoCo's sensors compute the same velocities from those of the bodies.
-    #[test]
-    fn velocities_are_those_of_sensors() {
-        let text = "<mujoco><worldbody><body name=\"a\" pos=\"1 2 3\" euler=\"10 20 30\"><joint axis=\"0 0 1\"/>\
-                    <joint type=\"slide\" axis=\"1 1 0\"/><geom size=\".1\"/><body pos=\".3 0 .1\"><joint type=\"ball\"/>\
-                    <geom size=\".1\" pos=\"0 .2 0\"/><site name=\"s\" pos=\".1 .2 .3\"/></body><body pos=\"0 1 0\"><joint/>\
-                    <geom size=\".1\"/></body></body></worldbody><sensor><framelinvel objtype=\"site\" objname=\"s\"/>\
-                    <frameangvel objtype=\"site\" objname=\"s\"/></sensor></mujoco>";
-        let m = Model::from_xml(text).unwrap();
-        let mut d = Data::new(&m);
-        d.qpos[0] = 0.7;
-        d.qpos[1] = -0.2;
-        d.qvel = vec![0.5, -1.0, 2.0, 0.3, -0.7, 4.0];
-        forward(&m, &mut d);
-        let moving = Moving {
-            site: 0,
-            root: 1,
-            dofs: vec![0, 1, 2, 3, 4],
-        };
-        let found = moving.velocity(&m, &d);
-        for (found, sensed) in found.as_flattened().iter().zip(&d.sensordata) {
-            assert!((found - sensed).abs() < 1e-12, "{found} and {sensed}");
-        }
-        assert!(
-            found.as_flattened().iter().all(|x| x.abs() > 0.01),
-            "{found:?}"
-        );
-    }
-}

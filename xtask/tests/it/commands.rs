@@ -415,30 +415,6 @@ fn run_draws_other_actions_from_other_seeds() {
     );
 }
 
-#[test]
-fn seconds_of_a_benchmark_are_a_time() {
-    for seconds in ["1e300", "nan", "inf", "-1", "x"] {
-        let error = fails(&[
-            "bench",
-            "CartPole-v1",
-            "--kind",
-            "make",
-            "--seconds",
-            seconds,
-        ]);
-        assert!(
-            error.contains("seconds are a number from 0 to"),
-            "{seconds}: {error}"
-        );
-    }
-    let of_cartpole = ["bench", "CartPole-v1", "--kind", "make", "--seconds", "0"];
-    assert!(!prints(&of_cartpole).contains("GIF"));
-    assert!(
-        prints(&[&of_cartpole[..], &["--gif"]].concat())
-            .contains("a GIF of 500 frames of CartPole-v1")
-    );
-}
-
 /// Messages quote arguments shortened and without control characters.
 #[test]
 fn messages_quote_what_was_typed_safely() {

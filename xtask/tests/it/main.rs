@@ -1,5 +1,6 @@
 //! Tests of the commands as a user runs them.
 
+mod bench;
 mod commands;
 mod documents;
 mod files;

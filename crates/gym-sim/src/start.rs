@@ -78,8 +78,10 @@ impl Start<'_> {
                 return Ok(());
             }
         }
-        let reason = format!("{ATTEMPTS} random states have contacts: reset with another seed");
-        Err(Error::argument("seed", reason))
+        let reason = format!(
+            "{ATTEMPTS} random states have contacts: change the model so that its bodies can be apart"
+        );
+        Err(Error::argument("model", reason))
     }
 
     /// Draws a quaternion: four numbers from `number`, divided by their `length`.

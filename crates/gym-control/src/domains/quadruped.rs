@@ -155,8 +155,8 @@ fn lift(start: &mut Start<'_>, orientation: [f64; 4], [x, y]: [f64; 2]) -> Resul
         }
         z += 0.01;
     }
-    let reason = "no height up to 100 m is free of contacts: reset with another seed";
-    Err(Error::argument("seed", reason))
+    let reason = "no height up to 100 m is free of contacts: change the model so that its bodies can be apart";
+    Err(Error::argument("model", reason))
 }
 
 impl Quadruped {

@@ -370,9 +370,9 @@ impl SimTask for Task {
             }
         }
         let reason = format!(
-            "the object fell out of the hand in {ATTEMPTS} starts: reset with another seed"
+            "the object fell out of the hand in {ATTEMPTS} starts: change the model so that it can lie there"
         );
-        Err(Error::argument("seed", reason))
+        Err(Error::argument("model", reason))
     }
 
     fn step(&self, simulation: &Simulation, d: &mut Data, action: &Array) -> Measured {

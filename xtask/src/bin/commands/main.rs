@@ -52,8 +52,8 @@ logs a warning that names the newer one. Ids in the namespace `rapier/` are the 
 [rapier2d](https://rapier.rs): similar to Gymnasium's, but not equal.
 
 For every environment, NaN or infinite actions are an error. Numbers beyond the bounds of a `Box` are not; the environment clips them
-if Gymnasium's does. Unknown options of `reset` are an error in classic control and CarRacing, the environments with options, and
-ignored elsewhere, as in Gymnasium.
+if Gymnasium's does. Unknown options of `reset` are an error in the environments with options (classic control, CarRacing, mazes and
+the Adroit hands), and ignored elsewhere, as in Gymnasium.
 
 `cargo xtask list --long` prints ids, spaces, limits and thresholds; `cargo xtask play ID` lets you play.
 ";

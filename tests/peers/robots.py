@@ -239,7 +239,7 @@ def page(measured):
                 cells += [bits, *(timing.shown(result[rate]) if rate in result else "" for rate in ("ours", "libmujoco"))]
         lines.append("| " + " | ".join(cells) + " |")
     counts = "; ".join(
-        f"with {v}, {equal[v]} have libmujoco's bits, {sum('refused' in r for r in measured['versions'][v].values())} are refused, and speed is "
+        f"with {v}, {equal[v]} have libmujoco's bits (refused: {sum('refused' in r for r in measured['versions'][v].values())}), and speed is "
         f"{mean_speed(measured['versions'][v].values()):.2f} times libmujoco's in the geometric mean"
         for v in versions
     )

@@ -21,6 +21,8 @@
 //! MuJoCo that `mujoco` names, for Linux on x86-64. A map on which an episode cannot start is an
 //! error, where the package waits for ever.
 //!
+//! Actions in the picture are random: no policy was trained for this task, and none is scripted.
+//!
 //! Source: Gymnasium-Robotics 1.4.2, `envs/maze/ant_maze_v3.py`, `ant_maze_v4.py`, `ant_maze_v5.py`,
 //! `maze.py` and `maze_v4.py`.
 

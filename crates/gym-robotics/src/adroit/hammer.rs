@@ -17,6 +17,8 @@
 //! no observation reads are left out. Dense rewards are numpy's on a CPU for which OpenBLAS has a
 //! kernel with AVX2 and none with AVX-512; with such a kernel, lengths differ in the last bit.
 //!
+//! Actions in the picture are random: no policy was trained for this task, and none is scripted.
+//!
 //! Source: Gymnasium-Robotics 1.4.2, `envs/adroit_hand/adroit_hammer.py`, and the hand of Vikash
 //! Kumar's ADROIT.
 

@@ -1,4 +1,4 @@
-//! Fetch, the Shadow hand and the kitchen, whose models are the user's: these tests run where the
+//! Fetch, the Shadow hand and the kitchen, whose models are the user's: most of these tests run where the
 //! package is installed, or `GYMNASIUM_ROBOTICS_ASSETS` names its folder.
 
 use std::fs;
@@ -75,6 +75,45 @@ fn episodes_on_models_are_the_packages() {
     if models().is_some() {
         unlike(include_str!("../robots.txt").lines());
     }
+}
+
+/// The package plays the same on small models of our own, which are always there.
+#[test]
+fn episodes_on_small_models_are_the_packages() {
+    let own = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/own");
+    let lines: Vec<String> = include_str!("../own.txt")
+        .lines()
+        .map(|line| {
+            let (id, rest) = line.split_once(" {").unwrap();
+            let comma = if rest.starts_with('}') { "" } else { "," };
+            format!("{id} {{\"assets\":{}{comma}{rest}", json!(own))
+        })
+        .collect();
+    assert!(lines.len() > 20, "{}", lines.len());
+    unlike(lines.iter().map(String::as_str));
+}
+
+/// The names of all numbers on those models, by the checksum of a line for each.
+#[test]
+fn every_number_on_small_models_is_named() {
+    let own = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/tests/own"));
+    let mut text = String::new();
+    for id in [
+        "FetchReach-v4",
+        "FetchPush-v4",
+        "HandReach-v3",
+        "HandManipulateBlock-v1",
+        "HandManipulateEgg_BooleanTouchSensors-v1",
+        "HandManipulateEgg_ContinuousTouchSensors-v1",
+        "FrankaKitchen-v1",
+    ] {
+        let env = from(id, own).unwrap();
+        let names = registry::find(id).unwrap().page.names.unwrap()(&env);
+        for name in names.observation.iter().chain(&names.action) {
+            text += &format!("{id}: {name}\n");
+        }
+    }
+    assert_eq!(crc32fast::hash(text.as_bytes()), 0x3686_3a86, "{text}");
 }
 
 #[test]

@@ -1,5 +1,6 @@
 //! Rarely used rules of games, tested with RAM in which they apply.
 
+use gym_atari::Action;
 use gym_atari::games::{self, Ram};
 
 /// Returns RAM that is 0 except for `bytes`.
@@ -7,6 +8,35 @@ fn ram(bytes: &[(usize, u8)]) -> [u8; 128] {
     let mut ram = [0; 128];
     bytes.iter().for_each(|&(index, byte)| ram[index] = byte);
     ram
+}
+
+/// Each ROM is known by the MD5 in `md5.json` of ale-py 0.12.1.
+#[test]
+fn games_are_known_by_ale_pys_md5() {
+    let known = |game: &games::Game| {
+        let found = games::by_md5(game.md5).map(|game| game.name);
+        assert_eq!(found, Some(game.name));
+        format!("{} {}\n", game.name, game.md5)
+    };
+    let mut lines: Vec<String> = games::GAMES.iter().map(known).collect();
+    lines.sort();
+    assert_eq!(lines.len(), 94);
+    let text = lines.concat();
+    assert_eq!(crc32fast::hash(text.as_bytes()), 0xf3d5_e5d8, "{text}");
+}
+
+/// The name of an action says where the stick points, and whether the button is pressed.
+#[test]
+fn actions_do_what_their_names_say() {
+    for action in Action::ALL {
+        let name = action.name();
+        let sign = |[plus, minus]: [&str; 2]| {
+            i32::from(name.contains(plus)) - i32::from(name.contains(minus))
+        };
+        assert_eq!(action.vertical(), sign(["UP", "DOWN"]), "{name}");
+        assert_eq!(action.horizontal(), sign(["RIGHT", "LEFT"]), "{name}");
+        assert_eq!(action.fire(), name.contains("FIRE"), "{name}");
+    }
 }
 
 /// Krull is over only in one phase of its final sequence. Play continues if the last life was lost

@@ -238,6 +238,16 @@ fn bad_flat_values_are_refused() {
             .to_string()
             .starts_with("[0]: 3 is not between 0 and 2")
     );
+    let chosen = Value::OneOf(1, Box::new(Value::Tuple(vec![Value::Int(3)])));
+    let error = one_of([Space::discrete(2), tuple([Space::discrete(3)])])
+        .flatten(&chosen)
+        .unwrap_err();
+    assert!(
+        error
+            .to_string()
+            .starts_with("[1][0]: 3 is not between 0 and 2"),
+        "{error}"
+    );
 }
 
 /// Compares samples with Gymnasium's for the same seed.

@@ -251,8 +251,8 @@ mod tests {
     #[test]
     fn each_part_has_its_line() {
         let text = r#"<mujoco model="arm"><compiler angle="radian"/><asset><mesh name="t" vertex="0 0 0 1 0 0 0 1 0 0 0 1"/></asset>
-            <worldbody><geom type="plane" size="1 1 1"/><camera name="eye"/>
-            <body name="upper" pos="0 0 1"><joint name="elbow" range="-1 0.5"/><geom size="0.1" mass="2"/><site name="tip"/>
+            <worldbody><geom type="plane" size="1 1 1" conaffinity="0"/><camera name="eye"/>
+            <body name="upper" pos="0 0 1"><joint name="elbow" range="-1 0.5"/><geom size="0.1" mass="2" contype="0"/><site name="tip"/>
             <geom type="mesh" mesh="t" contype="0" conaffinity="0" mass="0"/></body></worldbody>
             <actuator><motor name="pull" joint="elbow" ctrlrange="-2 2"/></actuator>
             <sensor><gyro name="felt" site="tip"/></sensor><keyframe><key name="home"/></keyframe></mujoco>"#;

@@ -70,6 +70,14 @@ pub(super) fn along<N: Number>(
     velocities: &[N::Cell],
     dofs: Range<usize>,
 ) -> [N; 6] {
+    if dofs.len() == 1 {
+        // without a sum that starts at 0: a product may be -0
+        let rate = N::get(at, &velocities[dofs.start]);
+        return get::<N, 6>(at, &axes[dofs.start]).map(
+            #[inline(always)]
+            |x| x * rate,
+        );
+    }
     let mut sum = number::of(at, [0.0; 6]);
     for (axis, velocity) in axes[dofs.clone()].iter().zip(&velocities[dofs]) {
         add_to(&mut sum, &get(at, axis), N::get(at, velocity));

@@ -104,6 +104,8 @@ changes! {
     refers_to_world since V3_17;
     /// The Cholesky solver substitutes back by columns.
     substitutes_by_columns since V4_0;
+    /// A sparse factor of Newton's method is made anew after 32 rows were subtracted from it.
+    limits_subtractions since V4_0;
     /// Sparse matrices are factored up to three rows at a time.
     factors_in_blocks since V4_0;
     /// Rows of a sparse matrix are factored together only if the same rows depend on them, instead

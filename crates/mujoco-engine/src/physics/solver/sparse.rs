@@ -81,11 +81,16 @@ pub(super) struct Sparse {
     /// How many rows are factored together if the row is the last of them.
     together: Vec<usize>,
     row: Vec<f64>,
+    /// How many rows were subtracted from the factor since it was made.
+    subtracted: usize,
     /// The elements of a row of the factor.
     sums: Vec<f64>,
     /// The island's number of each degree of freedom of the model.
     local: Vec<usize>,
 }
+
+/// After how many subtracted rows the factor is made anew, from 4.0 on.
+const MOST_SUBTRACTED: usize = 32;
 
 /// No degree of freedom.
 const NONE: usize = usize::MAX;
@@ -175,6 +180,7 @@ impl Sparse {
     /// `MakeHessian` and `FactorizeHessian`.
     #[inline(never)]
     pub(super) fn factor(&mut self, problem: &Problem<'_>, pushes: &[bool]) {
+        self.subtracted = 0;
         self.add_up(problem, pushes);
         self.find_elements(problem.n);
         if problem.m.revision.factors_in_blocks() {
@@ -399,8 +405,19 @@ impl Sparse {
     }
 
     /// Updates the factor for row `row` of the Jacobian times `scale`, which is added or subtracted.
-    /// Returns false if the difference is not positive definite.
-    pub(super) fn update(&mut self, row: usize, scale: f64, adds: bool) -> bool {
+    /// Returns false if the difference is not positive definite, or from 4.0 on if many rows were
+    /// subtracted since the factor was made: then it must be made anew.
+    pub(super) fn update(
+        &mut self,
+        row: usize,
+        scale: f64,
+        adds: bool,
+        revision: Revision,
+    ) -> bool {
+        self.subtracted += usize::from(!adds);
+        if revision.limits_subtractions() && self.subtracted >= MOST_SUBTRACTED {
+            return false;
+        }
         let range = self.jac.row(row);
         self.row.fill(0.0);
         for at in range.clone() {

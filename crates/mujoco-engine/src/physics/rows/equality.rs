@@ -2,7 +2,7 @@
 
 use super::{push_row, push_rows, push_scalar};
 use crate::math::dense::dot_slices;
-use crate::math::spatial::{InTurn, Order, Pairwise, Quat, Vec3, add, dot, rotate, rotation, sub};
+use crate::math::spatial::{InTurn, Order, Pairwise, Quat, Vec3, add, rotate, rotation, sub};
 use crate::model::{Equality, EqualityType, ObjectType};
 use crate::physics::constraint::{Constraints, Kind, Source, push_block, set_row};
 use crate::physics::jacobian::moves_apart;
@@ -50,7 +50,6 @@ pub(in crate::physics) fn orientations<O: Order>(
     constraint: &Equality,
 ) -> (Quat, Quat) {
     let ids = [m.eq_obj1id[constraint.id], m.eq_obj2id[constraint.id]].map(|id| id as usize);
-    let inverse = |[w, x, y, z]: Quat| [w, -x, -y, -z];
     if m.eq_objtype[constraint.id] == ObjectType::Body {
         let data = &m.eq_data[constraint.id];
         let pose = [data[6], data[7], data[8], data[9]];
@@ -69,14 +68,23 @@ pub(in crate::physics) fn weld_torque(
     constraint: &Equality,
     rows: Vec3,
 ) -> Vec3 {
-    let (ahead, back) = orientations::<Pairwise>(m, d, constraint);
-    let torque = m.eq_data[constraint.id][10];
-    std::array::from_fn(|k| {
-        let mut axis = [0.0; 3];
-        axis[k] = 1.0;
-        let turned = Pairwise::mul_quat(mul_quat_axis::<Pairwise>(back, axis), ahead);
-        0.5 * torque * dot([turned[1], turned[2], turned[3]], rows)
-    })
+    if m.revision.adds_in_pairs() {
+        turned_back::<Pairwise>(m, d, constraint, rows)
+    } else {
+        turned_back::<InTurn>(m, d, constraint, rows)
+    }
+}
+
+fn turned_back<O: Order>(m: &Model, d: &Data, constraint: &Equality, rows: Vec3) -> Vec3 {
+    let (ahead, back) = orientations::<O>(m, d, constraint);
+    let half = 0.5 * m.eq_data[constraint.id][10];
+    let turned = mul_quat_axis::<O>(inverse(back), rows.map(|x| half * x));
+    let [_, x, y, z] = O::mul_quat(turned, inverse(ahead));
+    [x, y, z]
+}
+
+fn inverse([w, x, y, z]: Quat) -> Quat {
+    [w, -x, -y, -z]
 }
 
 fn bodies<O: Order>(m: &Model, d: &mut Data, constraint: &Equality) {

@@ -12,7 +12,7 @@ use crate::math::spatial::{
     normalize, rotate, rotate_back, rotate_back6, rotation, scale, sub, transform_force,
     transform_motion, translation,
 };
-use crate::model::{About, Disable, ObjectType, SensorType, Stage};
+use crate::model::{About, Disable, Mount, ObjectType, SensorType, Stage};
 use crate::physics::constraint::Source;
 use crate::{Contact, Data, Model};
 
@@ -97,10 +97,17 @@ fn three([x, y, z]: Vec3) -> Quat {
 /// in the body's frame.
 fn quat_of<O: Order>(m: &Model, d: &Data, kind: ObjectType, id: usize) -> Quat {
     let within = |body: usize, quat: Quat| O::mul_quat(d.xquat[body], quat);
+    let mounted = |body: usize, quat: Quat, mount: &Mount| match mount {
+        _ if !m.revision.reads_mounted_orientations() => within(body, quat),
+        Mount::Inertial | Mount::Aligned(_) => within(body, m.body_iquat[body]),
+        Mount::Own(pose) if !pose.turned => d.xquat[body],
+        Mount::Own(_) => within(body, quat),
+    };
+    let plan = m.plan();
     match kind {
         ObjectType::Body => within(id, m.body_iquat[id]),
-        ObjectType::Geom => within(m.geom_bodyid[id], m.geom_quat[id]),
-        ObjectType::Site => within(m.site_bodyid[id], m.site_quat[id]),
+        ObjectType::Geom => mounted(m.geom_bodyid[id], m.geom_quat[id], &plan.geoms[id]),
+        ObjectType::Site => mounted(m.site_bodyid[id], m.site_quat[id], &plan.sites[id]),
         ObjectType::Camera => within(m.cam_bodyid[id], m.cam_quat[id]),
         _ => d.xquat[id],
     }

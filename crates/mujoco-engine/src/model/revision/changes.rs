@@ -124,6 +124,9 @@ changes! {
     derives_clamped_controls since V4_0;
     /// The inertia of a free body in implicit integration is that about the centre of mass.
     takes_inertia_of_com since V3_17;
+    /// A sensor of a geom's or site's orientation takes that of the body, or of its inertia, if it is
+    /// nearly equal.
+    reads_mounted_orientations since V4_0;
     /// Sensors of acceleration include gravity on bodies that cannot move.
     accelerates_fixed_bodies since V4_0;
     /// `cfrc_ext` has the forces of tendons through sites.

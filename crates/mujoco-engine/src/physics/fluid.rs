@@ -67,6 +67,11 @@ pub(super) fn largest_axes(size: Vec3) -> [f64; 2] {
     [most, size[0] + size[1] + size[2] - most - least]
 }
 
+/// What to multiply by instead of dividing by a length; 0 for hardly any.
+pub(super) fn inverse(length: f64) -> f64 {
+    if length > MINVAL { 1.0 / length } else { 0.0 }
+}
+
 /// The greatest moment of an ellipsoid's surface about axis `k`: MuJoCo's `ellipsoid_max_moment`.
 pub(super) fn moment_of(size: Vec3, k: usize) -> f64 {
     let (own, a, b) = (size[k], size[(k + 1) % 3], size[(k + 2) % 3]);
@@ -79,7 +84,6 @@ fn projection(revision: Revision, v: Vec3, size: Vec3) -> (f64, (Vec3, f64)) {
     let faces = |[x, y, z]: Vec3| [y * z, z * x, x * y];
     if revision.scales_ellipsoids() {
         // computed from the direction alone, for an ellipsoid whose longest semi-axis is 1
-        let inverse = |x: f64| if x > MINVAL { 1.0 / x } else { 0.0 };
         let most = size[0].max(size[1]).max(size[2]);
         let scaled = scale(size, inverse(most));
         let weights = faces(scaled).map(square);

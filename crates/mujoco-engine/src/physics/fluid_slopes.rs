@@ -3,7 +3,7 @@
 use std::array::from_fn;
 use std::f64::consts::PI;
 
-use super::fluid::{largest_axes, moment_of, semiaxes};
+use super::fluid::{inverse, largest_axes, moment_of, semiaxes};
 use super::implicit::Mat6;
 use super::jacobian::moves_at;
 use super::sensor::object_velocity;
@@ -11,7 +11,7 @@ use crate::math::spatial::{
     MINVAL, Mat3, Vec3, Vec6, join, norm, rotate_back, rotation, scale, sub, translation,
 };
 use crate::model::{Integrator, ObjectType};
-use crate::{Data, Model};
+use crate::{Data, Model, Revision};
 
 /// A matrix of three rows.
 type Square = [Vec3; 3];
@@ -136,8 +136,9 @@ fn of_ellipsoids(
         let (by_w, by_v) = cross_slopes(scale(w, magnus), scale(v, magnus));
         put(&mut b, 3, 0, &by_w);
         put(&mut b, 3, 3, &by_v);
-        put(&mut b, 3, 3, &kutta_lift(v, density, size, kutta));
-        let drag = drag(v, (density, viscosity), size, (blunt, slender));
+        let shape = Scaled::new(v, size, m.revision);
+        put(&mut b, 3, 3, &kutta_lift(&shape, density, kutta));
+        let drag = drag(&shape, (density, viscosity), size, (blunt, slender));
         put(&mut b, 3, 3, &drag);
         let torque = torque(w, (density, viscosity), size, (slender, angular));
         put(&mut b, 0, 0, &torque);
@@ -231,9 +232,51 @@ fn outer([x, y, z]: Vec3) -> Square {
     [[x * x, xy, xz], [xy, y * y, yz], [xz, yz, z * z]]
 }
 
+/// The velocity of an ellipsoid and its faces. From 3.17 on they are scaled, as for the forces, to a
+/// speed and a longest semiaxis of 1: else the limits of small divisors count for small bodies.
+struct Scaled {
+    v: Vec3,
+    /// The squares of the areas of the faces of the box around the ellipsoid.
+    faces: Vec3,
+    /// The unit of areas.
+    area: f64,
+    /// The length of the velocity before it is scaled.
+    speed: f64,
+    /// The unit of the velocity.
+    unit: f64,
+    /// The unit of the velocity, divided by the length of the scaled velocity.
+    direction: f64,
+}
+
+impl Scaled {
+    fn new(v: Vec3, size: Vec3, revision: Revision) -> Self {
+        let speed = norm(v);
+        if revision.scales_ellipsoids() {
+            let most = largest_axes(size)[0];
+            Self {
+                v: scale(v, inverse(speed)),
+                faces: faces(scale(size, inverse(most))),
+                area: most * most,
+                speed,
+                unit: speed,
+                direction: speed,
+            }
+        } else {
+            Self {
+                v,
+                faces: faces(size),
+                area: 1.0,
+                speed,
+                unit: 1.0,
+                direction: 1.0 / f64::max(MINVAL, speed),
+            }
+        }
+    }
+}
+
 /// The derivative of the drag by the velocity: MuJoCo's `mjd_viscous_drag`.
 fn drag(
-    v: Vec3,
+    shape: &Scaled,
     (density, viscosity): (f64, f64),
     size: Vec3,
     (blunt, slender): (f64, f64),
@@ -241,45 +284,45 @@ fn drag(
     let [most, middle] = largest_axes(size);
     let diameter = 2.0 / 3.0 * (size[0] + size[1] + size[2]);
     let area_most = PI * most * middle;
-    let [a, b, c] = faces(size);
-    let [x, y, z] = v;
+    let [a, b, c] = shape.faces;
+    let [x, y, z] = shape.v;
     let (xx, yy, zz) = (x * x, y * y, z * z);
     let below = a * a * xx + b * b * yy + c * c * zz;
     let above = a * xx + b * yy + c * zz;
-    let bend = PI / f64::max(MINVAL, (above * above * above * below).sqrt());
-    let area = PI * (below / f64::max(MINVAL, above)).sqrt();
-    let length = (xx + yy + zz).sqrt();
-    let inverse = 1.0 / f64::max(MINVAL, length);
+    let bend = PI * shape.area / f64::max(MINVAL, (above * above * above * below).sqrt());
+    let area = PI * shape.area * (below / f64::max(MINVAL, above)).sqrt();
     let linear = viscosity * 3.0 * PI * diameter;
     let quadratic = density * (area * blunt + slender * (area_most - area));
-    let by_area = density * length * (blunt - slender);
+    let outward = -quadratic * shape.direction;
+    let by_area = density * shape.speed * (blunt - slender);
     let area_slope = [
         by_area * bend * a * x * (b * yy * (a - b) + c * zz * (a - c)),
         by_area * bend * b * y * (a * xx * (b - a) + c * zz * (b - c)),
         by_area * bend * c * z * (a * xx * (c - a) + b * yy * (c - b)),
     ];
-    let mut slope = outer(v);
+    let mut slope = outer(shape.v);
     for (k, row) in slope.iter_mut().enumerate() {
         row[k] += xx + yy + zz;
         for x in &mut *row {
-            *x *= -quadratic * inverse;
+            *x *= outward;
         }
-        add_row(row, area_slope, -v[k]);
+        add_row(row, area_slope, -shape.v[k]);
         row[k] -= linear;
     }
     slope
 }
 
 /// The derivative of the lift by the velocity: MuJoCo's `mjd_kutta_lift`.
-fn kutta_lift(v: Vec3, density: f64, size: Vec3, kutta: f64) -> Square {
-    let faces = faces(size);
+fn kutta_lift(shape: &Scaled, density: f64, kutta: f64) -> Square {
+    let faces = shape.faces;
     let [a, b, c] = faces;
-    let [x, y, z] = v;
+    let [x, y, z] = shape.v;
     let (xx, yy, zz) = (x * x, y * y, z * z);
     let below = a * a * xx + b * b * yy + c * c * zz;
     let above = a * xx + b * yy + c * zz;
     let square = xx + yy + zz;
     let factor = PI * kutta * density / f64::max(MINVAL, (below * above * square).sqrt());
+    let factor = factor * shape.area * shape.unit;
     let along = [
         yy * (a - b) + zz * (a - c),
         xx * (b - a) + zz * (b - c),
@@ -288,7 +331,7 @@ fn kutta_lift(v: Vec3, density: f64, size: Vec3, kutta: f64) -> Square {
     let share = above / f64::max(MINVAL, below);
     let cosine = above / f64::max(MINVAL, square);
     let inner: Vec3 = from_fn(|k| faces[k] * faces[k] * share - faces[k] + cosine);
-    let mut slope = outer(v);
+    let mut slope = outer(shape.v);
     for (k, row) in slope.iter_mut().enumerate() {
         for (j, x) in row.iter_mut().enumerate() {
             let part = (faces[j] - faces[k]) * (2.0 * above) + inner[j] * along[k];

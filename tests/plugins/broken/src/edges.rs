@@ -430,6 +430,18 @@ twists! {
         }
     }
 
+    "space-constant.actions-at-the-end" OtherActionsAtTheEnd {
+        fn action_space(env: &Of<Self>) -> Space {
+            Space::discrete(if env.mind.is_over { 1 } else { 2 })
+        }
+
+        fn restore(env: &mut Of<Self>, snapshot: &Snapshot) -> Result<()> {
+            env.walk.restore(snapshot)?;
+            env.mind.is_over = false;
+            Ok(())
+        }
+    }
+
     "no-allocation.seldom" AllocatesSeldom {
         fn step(env: &mut Of<Self>, action: &Value, observation: &mut Value) -> Result<Outcome> {
             if env.mind.age == 350 {

@@ -7,7 +7,7 @@
 use std::ops::Range;
 
 use super::{CompiledModel, GeomType};
-use crate::math::spatial::{EPS, Quat, Vec3, rotate_quat, sub};
+use crate::math::spatial::{EPS, Quat, Vec3, inverse, rotate_quat, sub};
 
 /// The centre and the half sizes of a box.
 pub(crate) type Bounds = [Vec3; 2];
@@ -81,8 +81,7 @@ impl Tree {
     }
 
     fn grow(&mut self, m: &CompiledModel, body: usize, mut geoms: Vec<usize>) -> usize {
-        let [w, x, y, z] = m.body_iquat[body];
-        let inward = |v: Vec3| turned([w, -x, -y, -z], v);
+        let inward = |v: Vec3| turned(inverse(m.body_iquat[body]), v);
         let (mut low, mut high) = ([f64::MAX; 3], [-f64::MAX; 3]);
         for &g in &geoms {
             let [centre, half] = bounding_box(m, g);

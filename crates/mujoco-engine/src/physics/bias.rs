@@ -5,8 +5,8 @@ use super::constraint::Source;
 use super::rows::{anchors, mul_quat_axis, orientations};
 use crate::math::dense::sum_of_columns;
 use crate::math::spatial::{
-    InTurn, Order, Pairwise, Quat, Vec3, add, cross, cross_motion, rotation, sub, transform_motion,
-    translation,
+    InTurn, Order, Pairwise, Quat, Vec3, add, cross, cross_motion, inverse, rotation, sub,
+    transform_motion, translation,
 };
 use crate::model::{Equality, EqualityType, JointType, ObjectType};
 use crate::{Data, Model};
@@ -98,7 +98,6 @@ fn turned<O: Order>(m: &Model, d: &Data, constraint: &Equality, turning: Vec3) -
     let (ahead, back) = orientations::<O>(m, d, constraint);
     let [w1, w2] = constraint.bodies.map(|body| rotation(&d.cvel[body]));
     let relative = sub(w1, w2);
-    let inverse = |[w, x, y, z]: Quat| [w, -x, -y, -z];
     let [b1, b2] = constraint.bodies;
     let (ahead_rate, back_rate) = if m.eq_objtype[constraint.id] == ObjectType::Body {
         let data = &m.eq_data[constraint.id];

@@ -8,8 +8,8 @@ use super::tendon::pulling;
 use super::{contact_sensor, distance_sensor, range_sensor};
 use crate::math::libm;
 use crate::math::spatial::{
-    InTurn, MINVAL, Mat3, Order, Pairwise, Quat, Vec3, Vec6, add, column, cross, dot, join,
-    normalize, rotate, rotate_back, rotate_back6, rotation, scale, sub, transform_force,
+    InTurn, MINVAL, Mat3, Order, Pairwise, Quat, Vec3, Vec6, add, column, cross, dot, inverse,
+    join, normalize, rotate, rotate_back, rotate_back6, rotation, scale, sub, transform_force,
     transform_motion, translation,
 };
 use crate::model::{About, Disable, Mount, ObjectType, SensorType, Stage};
@@ -197,8 +197,8 @@ fn of_position<O: Order>(m: &Model, d: &Data, i: usize) -> Quat {
             match reference {
                 None => quat,
                 Some((kind, id)) => {
-                    let [w, x, y, z] = quat_of::<O>(m, d, kind, id);
-                    O::mul_quat([w, -x, -y, -z], quat)
+                    let reference = quat_of::<O>(m, d, kind, id);
+                    O::mul_quat(inverse(reference), quat)
                 }
             }
         }

@@ -2,7 +2,9 @@
 
 use super::{push_row, push_rows, push_scalar};
 use crate::math::dense::dot_slices;
-use crate::math::spatial::{InTurn, Order, Pairwise, Quat, Vec3, add, rotate, rotation, sub};
+use crate::math::spatial::{
+    InTurn, Order, Pairwise, Quat, Vec3, add, inverse, rotate, rotation, sub,
+};
 use crate::model::{Equality, EqualityType, ObjectType};
 use crate::physics::constraint::{Constraints, Kind, Source, push_block, set_row};
 use crate::physics::jacobian::moves_apart;
@@ -81,10 +83,6 @@ fn turned_back<O: Order>(m: &Model, d: &Data, constraint: &Equality, rows: Vec3)
     let turned = mul_quat_axis::<O>(inverse(back), rows.map(|x| half * x));
     let [_, x, y, z] = O::mul_quat(turned, inverse(ahead));
     [x, y, z]
-}
-
-fn inverse([w, x, y, z]: Quat) -> Quat {
-    [w, -x, -y, -z]
 }
 
 fn bodies<O: Order>(m: &Model, d: &mut Data, constraint: &Equality) {

@@ -3,7 +3,7 @@
 //! | file | what |
 //! |---|---|
 //! | `newton`, `conjugate` | MuJoCo's solvers Newton and CG, on accelerations; `line_search`, `cholesky`, `sparse` and `buffers` are theirs |
-//! | `pgs` | the solver PGS, on forces; `dual` for rows other than limits and pyramidal contacts, `orders` of the rows |
+//! | `pgs` | the solver PGS, on forces; `dual` for rows other than limits and pyramidal contacts, `sweep` and `orders` of the rows |
 //! | `row_costs` | costs and forces of rows, among them those of elliptic friction cones, for Newton and CG |
 //! | `qcqp` | the friction in an elliptic cone, for PGS and `noslip` |
 //! | `noslip` | the iterations that suppress slip |

@@ -454,7 +454,7 @@ fn hessian(problem: &Problem<'_>, b: &mut Buffers) {
 /// `HessianIncremental`. Returns false if the Hessian must be factored again.
 #[inline(always)]
 fn update_hessian(problem: &Problem<'_>, b: &mut Buffers) -> bool {
-    let (m, mut definite) = (problem.m, true);
+    let mut definite = true;
     b.updates.clear();
     b.adds.clear();
     for row in 0..b.jar.len() {
@@ -468,7 +468,7 @@ fn update_hessian(problem: &Problem<'_>, b: &mut Buffers) -> bool {
         b.pushes[row] = pushes;
         let root = problem.d[row].sqrt();
         if problem.sparse {
-            definite = definite && b.sparse.update(row, root, pushes, m.revision);
+            definite = definite && b.sparse.update(row, root, pushes, problem.m.revision);
             continue;
         }
         let jac = problem.row(row).iter();

@@ -10,8 +10,10 @@ use crate::env::Facts;
 use crate::level::{Level, View};
 use crate::{Pos, World};
 
-/// The seeds that are tried, and how far from the value of an argument others are.
+/// The seeds that are tried are those below this.
 const SEEDS: u64 = 8;
+
+/// How far from the value of an argument others are tried.
 const FARTHEST: u64 = 24;
 
 /// The number of random draws of an attempt, which is enough for a level that is likely.

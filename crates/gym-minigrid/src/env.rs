@@ -66,9 +66,11 @@ impl GridEnv {
     fn of(level: Arc<dyn Level>, config: serde_json::Result<Json>, read: Read) -> Result<Self> {
         let name = level.name();
         let mut config = config.map_err(|error| Error::argument(name, error.to_string()))?;
-        let facts = Facts::new(&*level).map_err(|reason| {
-            let advice = advice(&*level, read, &config);
-            Error::argument(name, advised(reason, advice))
+        let facts = Facts::new(&*level).map_err(|mut reason| {
+            if let Some(advice) = advice(&*level, read, &config) {
+                reason += &format!("; {advice}");
+            }
+            Error::argument(name, reason)
         })?;
         let picture = Picture::new(&facts).map_err(|reason| Error::argument(name, reason))?;
         // store the value in use; `max_steps` stays as given, because the value in use can depend
@@ -104,10 +106,8 @@ impl GridEnv {
                 };
                 let advice = advice(&*self.level, self.read, &self.config)
                     .unwrap_or_else(|| "change several arguments".to_owned());
-                Err(Error::argument(
-                    self.level.name(),
-                    advised(reason, Some(advice)),
-                ))
+                let reason = format!("{reason}; {advice}");
+                Err(Error::argument(self.level.name(), reason))
             }
         }
     }
@@ -117,14 +117,6 @@ impl GridEnv {
         let mut world = self.world()?.clone();
         world.begin();
         Some(world)
-    }
-}
-
-/// A reason, and what to do about it.
-fn advised(reason: String, advice: Option<String>) -> String {
-    match advice {
-        Some(advice) => format!("{reason}; {advice}"),
-        None => reason,
     }
 }
 

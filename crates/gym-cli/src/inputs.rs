@@ -6,6 +6,20 @@ use std::path::{Path, PathBuf};
 use gym::{Error, Kwargs, Result, unique};
 use serde_json::Value as Json;
 
+/// The arguments of a command, from its words after the name.
+#[cfg(test)]
+pub(crate) fn parsed<A: clap::Args>(words: &str) -> A {
+    #[derive(clap::Parser)]
+    struct Line<A: clap::Args> {
+        #[command(flatten)]
+        arguments: A,
+    }
+    let words = std::iter::once("command").chain(words.split_whitespace());
+    <Line<A> as clap::Parser>::try_parse_from(words)
+        .unwrap()
+        .arguments
+}
+
 /// Parses a seed on the command line.
 pub(crate) fn parse_seed(text: &str) -> Result<u64, String> {
     text.parse()

@@ -249,19 +249,7 @@ pub(super) fn play(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use clap::Parser;
     use gym::render::Pointer;
-
-    #[derive(Parser)]
-    struct Line {
-        #[command(flatten)]
-        arguments: Arguments,
-    }
-
-    fn arguments(line: &str) -> Arguments {
-        let words = std::iter::once("play").chain(line.split_whitespace());
-        Line::try_parse_from(words).unwrap().arguments
-    }
 
     #[test]
     fn actions_of_robots_have_sliders_with_the_names_of_the_registration() {
@@ -277,7 +265,7 @@ mod tests {
 
     #[test]
     fn sliders_and_keys_are_the_action() {
-        let arguments = arguments("InvertedPendulum-v5 --seed 1");
+        let arguments: Arguments = inputs::parsed("InvertedPendulum-v5 --seed 1");
         let mut session = Session::start(&arguments).unwrap();
         let keys = Keys::new(json!({"A": [2.0]}));
         let sliders = sliders(&session.trace.id, &session.env).unwrap();

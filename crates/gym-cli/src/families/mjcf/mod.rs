@@ -120,22 +120,12 @@ fn refused(error: gym::sim::engine::Error) -> Error {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use clap::Parser;
-
-    #[derive(Parser)]
-    struct Line {
-        #[command(flatten)]
-        arguments: Arguments,
-    }
 
     #[test]
     fn a_model_is_a_file_or_that_of_an_environment() {
-        let load = |line: &[&str]| {
-            let words = std::iter::once("mjcf").chain(line.iter().copied());
-            load(&Line::parse_from(words).arguments)
-        };
+        let load = |words: &str| load(&inputs::parsed(words));
         let [new, old] = ["4.0", "3.12"].map(|mujoco| {
-            let model = load(&["Humanoid-v5", "--mujoco", mujoco]).unwrap();
+            let model = load(&format!("Humanoid-v5 --mujoco {mujoco}")).unwrap();
             (model.nu(), model.revision)
         });
         assert_eq!((new.0, old.0), (17, 17));
@@ -144,10 +134,10 @@ mod tests {
             ("CartPole-v1", "no MuJoCo model"),
             ("Humanoid-v99.xml", "Humanoid-v99.xml"),
         ] {
-            let error = load(&[name]).unwrap_err().to_string();
+            let error = load(name).unwrap_err().to_string();
             assert!(error.contains(part), "{error}");
         }
-        let error = load(&["CartPole-v1", "--mujoco", "3.12"]).unwrap_err();
+        let error = load("CartPole-v1 --mujoco 3.12").unwrap_err();
         assert!(error.to_string().contains("mujoco"), "{error}");
     }
 }

@@ -8,8 +8,8 @@
 
 A robot is a file MENAGERIE/NAME/scene*.xml that the installed libmujoco loads (files for MJX are left out). It takes random controls, by one
 generator for each robot and scaled to their ranges, for so many steps; a robot is equal if qpos, qvel, act and sensordata have the same bits after
-1, 2, 5, 20, 100 and all of them, replayed by `cargo xtask replay`. The rates are the best of three runs on one thread: of
-`cargo xtask mjcf FILE --steps`, and of `mujoco.rollout`, with the same controls; `--bits` keeps the rates of an earlier run. `--sheet` draws docs/robots/robots.png by `cargo xtask mjcf FILE --out`.
+1, 2, 5, 20, 100 and all of them, replayed by the command `replay`. The rates are the best of three runs on one thread: of
+the command `mjcf FILE --steps` in the release build, and of `mujoco.rollout`, with the same controls, up to the step in which the model diverges; `--bits` keeps the rates of an earlier run. `--sheet` draws docs/robots/robots.png by `mjcf FILE --out`.
 A collection is every *.xml below a folder that libmujoco loads. Of a model that takes libmujoco more than 20 seconds, as many steps are compared.
 """
 import collections
@@ -33,8 +33,8 @@ WITHOUT_PICTURE = ("shadow_hand",)
 CELL, COLUMNS = (128, 96), 8
 
 
-def xtask(*arguments):
-    # `cargo xtask` builds these commands in less time, for less speed
+def commands(*arguments):
+    """A command of `cargo xtask`, which builds it in less time, for less speed."""
     release = "cargo run --quiet --release --package xtask --bin commands --".split()
     return subprocess.run([*release, *map(str, arguments)], capture_output=True, text=True)
 
@@ -115,7 +115,7 @@ def measure(file, steps, rates, seconds=math.inf):
         recording = Path(folder) / "robot.json"
         parts = {"kind": "features", "file": str(file.resolve()), "seed": 0, "versions": {version: {"steps": [], "episode": marks}}}
         recording.write_text(json.dumps(parts))
-        run = xtask("replay", "--out", f"{folder}/found", recording)
+        run = commands("replay", "--out", f"{folder}/found", recording)
         answer = Path(folder) / "found/robot.json"
         found = json.loads(answer.read_text()) if answer.exists() else {"error": run.stderr.strip()}
     if "error" in found:
@@ -124,7 +124,7 @@ def measure(file, steps, rates, seconds=math.inf):
     difference = first_difference(marks, found["versions"][version]["episode"])
     if rates is None:
         # `rollout` ends where a model diverges
-        runs = [xtask("mjcf", file, "--mujoco", version, "--steps", sound).stdout for _ in range(3)]
+        runs = [commands("mjcf", file, "--mujoco", version, "--steps", sound).stdout for _ in range(3)]
         ours = max((float(rate[1]) for text in runs if (rate := re.search(r"([\d.]+) steps per second", text))), default=0.0)
         rates = {"ours": round(ours), "libmujoco": round(rollout(m, sound))}
     return result | {"difference": difference} | rates
@@ -202,9 +202,9 @@ def sheet(robots):
             out = Path(folder) / "robot.png"
             size = f"{2 * CELL[0]}x{2 * CELL[1]}"
             start = ["--keyframe", "0"]
-            run = xtask("mjcf", file, *start, "--size", size, "--out", out)
+            run = commands("mjcf", file, *start, "--size", size, "--out", out)
             if run.returncode:
-                run = xtask("mjcf", file, "--size", size, "--out", out)
+                run = commands("mjcf", file, "--size", size, "--out", out)
             if run.returncode or name.startswith(WITHOUT_PICTURE):
                 continue
             picture = Image.open(out).resize(CELL, Image.LANCZOS)

@@ -6,9 +6,9 @@ use std::ops::Range;
 use gym_control as _;
 use gym_core::keys::Idle;
 use gym_core::registry::EnvBuilder;
-use gym_core::vector::VectorKind;
-use gym_core::{BoxEnv, Env, EnvExt, Value, VectorEnv, VectorEnvExt, builder, make, registry};
+use gym_core::{BoxEnv, Env, EnvExt, Value, builder, make, registry};
 use gym_render as _;
+use gym_testing::native_equals_sync;
 use serde_json::json;
 
 fn ids() -> Vec<String> {
@@ -191,18 +191,9 @@ fn a_snapshot_continues_anywhere() {
 #[test]
 fn native_vectors_equal_single_environments() {
     for id in ["dm_control/walker-walk-v0", "dm_control/point_mass-hard-v0"] {
-        let make = |kind| builder(id).vector(5).kind(kind).build().unwrap();
-        let [mut native, mut sync] = [VectorKind::Native, VectorKind::Sync].map(make);
-        let [mut fast, mut exact] = [native.columns().unwrap(), sync.columns().unwrap()];
-        let mut actions = native.action_space().unwrap().sampler(7);
-        native.reset_into(&7.into(), &mut fast).unwrap();
-        sync.reset_into(&7.into(), &mut exact).unwrap();
-        for step in 0..30 {
-            assert_eq!(fast, exact, "{id}: step {step}");
-            let actions = actions.sample();
-            native.step_into(&actions, &mut fast).unwrap();
-            sync.step_into(&actions, &mut exact).unwrap();
-        }
+        native_equals_sync(id, 30, 7, |kind| {
+            builder(id).vector(5).kind(kind).build().unwrap()
+        });
     }
 }
 

@@ -2,8 +2,10 @@
 
 mod count;
 mod digest;
+mod native;
 mod replay;
 
 pub use count::Count;
 pub use digest::{Digest, Sum};
+pub use native::native_equals_sync;
 pub use replay::{lines, replay};

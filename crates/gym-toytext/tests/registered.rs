@@ -2,6 +2,7 @@
 
 use gym_core::vector::{Autoreset, VectorKind, VectorReset};
 use gym_core::{EnvExt, Value, VectorEnv, VectorEnvExt, builder};
+use gym_testing::native_equals_sync;
 use gym_toytext::{CliffWalking, Taxi};
 
 /// Native vectors equal scalar environments, also after a snapshot. (100 is not a multiple of the
@@ -16,51 +17,10 @@ fn native_vectors_equal_scalar_environments() {
         "Taxi-v3",
     ] {
         for autoreset in [Autoreset::NextStep, Autoreset::SameStep] {
-            let make = |kind| {
-                builder(id)
-                    .vector(100)
-                    .kind(kind)
-                    .autoreset(autoreset)
-                    .build()
-                    .unwrap()
-            };
-            let [mut native, mut sync] = [VectorKind::Native, VectorKind::Sync].map(make);
-            let [mut fast, mut exact] = [native.columns().unwrap(), sync.columns().unwrap()];
-            let mut actions = native.action_space().unwrap().sampler(7);
-            native.reset_into(&7.into(), &mut fast).unwrap();
-            sync.reset_into(&7.into(), &mut exact).unwrap();
-            assert_eq!(fast, exact, "{id}: reset");
-            for step in 0..500 {
-                if step == 250 {
-                    let snapshot = native.snapshot().unwrap();
-                    native = make(VectorKind::Native);
-                    native.restore(&snapshot).unwrap();
-                }
-                let actions = actions.sample();
-                native.step_into(&actions, &mut fast).unwrap();
-                sync.step_into(&actions, &mut exact).unwrap();
-                assert_eq!(
-                    fast.observations, exact.observations,
-                    "{id}, {autoreset:?}: step {step}"
-                );
-                assert_eq!(
-                    fast.rewards, exact.rewards,
-                    "{id}, {autoreset:?}: step {step}"
-                );
-                assert_eq!(
-                    fast.terminated, exact.terminated,
-                    "{id}, {autoreset:?}: step {step}"
-                );
-                assert_eq!(
-                    fast.truncated, exact.truncated,
-                    "{id}, {autoreset:?}: step {step}"
-                );
-                assert_eq!(
-                    native.infos(&fast),
-                    sync.infos(&exact),
-                    "{id}, {autoreset:?}: step {step}"
-                );
-            }
+            native_equals_sync(&format!("{id}, {autoreset:?}"), 500, 7, |kind| {
+                let vector = builder(id).vector(100).kind(kind).autoreset(autoreset);
+                vector.build().unwrap()
+            });
         }
     }
 }

@@ -4,6 +4,7 @@
 use gym_core::prelude::*;
 use gym_core::vector::VectorKind;
 use gym_core::{Generator, builder};
+use gym_testing::native_equals_sync;
 
 /// A vector whose environments have different constants gives the results of single environments
 /// with these constants.
@@ -23,17 +24,8 @@ fn each_environment_of_a_vector_has_constants_of_its_own() {
             .build()
             .unwrap()
     };
-    let [mut native, mut sync] = [VectorKind::Native, VectorKind::Sync].map(make);
-    let [mut fast, mut exact] = [native.columns().unwrap(), sync.columns().unwrap()];
-    let mut actions = native.action_space().unwrap().sampler(1);
-    native.reset_into(&3.into(), &mut fast).unwrap();
-    sync.reset_into(&3.into(), &mut exact).unwrap();
-    for step in 0..300 {
-        let actions = actions.sample();
-        native.step_into(&actions, &mut fast).unwrap();
-        sync.step_into(&actions, &mut exact).unwrap();
-        assert_eq!(fast, exact, "step {step}");
-    }
+    native_equals_sync("CartPole-v1", 300, 3, make);
+    let native = make(VectorKind::Native);
     let spec = serde_json::to_value(native.spec().unwrap()).unwrap();
     assert_eq!(spec["each"]["length"][1], length[1]);
     let again: gym_core::registry::VectorSpec = serde_json::from_value(spec).unwrap();

@@ -1,8 +1,9 @@
 //! Environments made by id: native vectors, snapshots, wrappers and good policies.
 
-use gym_core::vector::{Autoreset, VectorKind};
-use gym_core::{Env, EnvExt, Value, VectorEnv, VectorEnvExt, WrapperSpec, builder, make, registry};
+use gym_core::vector::Autoreset;
+use gym_core::{Env, EnvExt, Value, WrapperSpec, builder, make, registry};
 use gym_minigrid::{Cell, Kind, World};
+use gym_testing::native_equals_sync;
 use serde_json::json;
 
 /// Native vectors equal scalar environments, also after a snapshot.
@@ -15,42 +16,10 @@ fn native_vectors_equal_scalar_environments() {
         "BabyAI-PutNextS5N2Carrying-v0",
     ] {
         for autoreset in [Autoreset::NextStep, Autoreset::SameStep] {
-            let make = |kind| {
+            native_equals_sync(&format!("{id}, {autoreset:?}"), 300, 7, |kind| {
                 let vector = builder(id).vector(9).kind(kind).autoreset(autoreset);
                 vector.build().unwrap()
-            };
-            let [mut native, mut sync] = [VectorKind::Native, VectorKind::Sync].map(make);
-            let [mut fast, mut exact] = [native.columns().unwrap(), sync.columns().unwrap()];
-            let mut actions = native.action_space().unwrap().sampler(7);
-            native.reset_into(&7.into(), &mut fast).unwrap();
-            sync.reset_into(&7.into(), &mut exact).unwrap();
-            assert_eq!(fast, exact, "{id}: reset");
-            for step in 0..300 {
-                if step == 150 {
-                    let snapshot = native.snapshot().unwrap();
-                    native = make(VectorKind::Native);
-                    native.restore(&snapshot).unwrap();
-                }
-                let actions = actions.sample();
-                native.step_into(&actions, &mut fast).unwrap();
-                sync.step_into(&actions, &mut exact).unwrap();
-                assert_eq!(
-                    fast.observations, exact.observations,
-                    "{id}, {autoreset:?}: step {step}"
-                );
-                assert_eq!(
-                    fast.rewards, exact.rewards,
-                    "{id}, {autoreset:?}: step {step}"
-                );
-                assert_eq!(
-                    fast.terminated, exact.terminated,
-                    "{id}, {autoreset:?}: step {step}"
-                );
-                assert_eq!(
-                    fast.truncated, exact.truncated,
-                    "{id}, {autoreset:?}: step {step}"
-                );
-            }
+            });
         }
     }
 }

@@ -16,7 +16,9 @@
 //! ```
 //!
 //! A task is a [`Level`]: it makes a [`World`] with a [`Draft`], and decides when an episode ends.
-//! [`GridEnv`] makes an environment of it.
+//! [`GridEnv`] makes an environment of it. Where objects leave the agent no place to face none,
+//! minigrid looks for one for ever (one seed in 700 of `BabyAI-SynthS5R2-v0`); here another level
+//! is drawn.
 //!
 //! Linking this crate registers the tasks of [`tasks`] and [`babyai`]; name it
 //! (`use gym_minigrid as _;`) if nothing else of it is used.

@@ -13,6 +13,10 @@ const MAX_TRIES: u32 = 1000;
 /// The number of attempts to connect rooms by doors.
 const MAX_DOORS: u32 = 5000;
 
+/// The number of attempts to place the agent where it faces nothing: of a room's places one in 144
+/// suffices. minigrid tries for ever.
+const MAX_POSES: u32 = 5000;
+
 /// The passage through a wall.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Way {
@@ -260,16 +264,20 @@ impl<'d, 'a> Rooms<'d, 'a> {
     }
 
     /// Places the agent in a room, facing an empty cell or a wall. Draws the room if it is `None`.
+    ///
+    /// # Errors
+    /// [`GenerationError::Rejected`] if the room has no such place.
     pub(crate) fn place_agent(&mut self, room: Option<(i32, i32)>) -> Generated {
         let (i, j) = room.map_or_else(|| self.random_room(), Ok)?;
         let area = self.rooms[self.index(i, j)?].area;
-        loop {
+        for _ in 0..MAX_POSES {
             self.draft.place_agent_in(area, MAX_TRIES)?;
             let front = self.draft.world.front();
             if front.is_empty() || front.is(Kind::Wall) {
                 return Ok(());
             }
         }
+        Err(GenerationError::Rejected("the agent faces an object everywhere"))
     }
 
     /// Adds doors until every room can be reached.

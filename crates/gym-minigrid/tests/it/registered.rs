@@ -24,6 +24,17 @@ fn native_vectors_equal_scalar_environments() {
     }
 }
 
+/// With these seeds objects fill the first room, and minigrid looks for ever for a place from which
+/// the agent faces none: another level is drawn.
+#[test]
+fn a_level_without_a_place_for_the_agent_is_drawn_again() {
+    let mut env = make("BabyAI-SynthS5R2-v0").unwrap();
+    for seed in [1741, 2678, 3586, 4033] {
+        let again = [0; 2].map(|_| env.reset(seed).unwrap());
+        assert_eq!(again[0], again[1]);
+    }
+}
+
 #[test]
 fn bad_arguments_are_refused() {
     for (id, name, value, reason) in [

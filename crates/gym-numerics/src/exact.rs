@@ -12,7 +12,7 @@ use serde::ser::{self, SerializeMap, Serializer};
 use serde::{Deserialize, Serialize};
 use serde_json::{Error, Value as Json};
 
-pub use finite::is_finite;
+pub use finite::{every_float, is_finite};
 
 /// The key of a float that JSON lacks.
 pub const FLOAT: &str = "$float";

@@ -79,6 +79,43 @@ fn no_number_that_is_not_finite_is_restored() {
     assert!(accepted.is_empty(), "{}", accepted.join("\n"));
 }
 
+/// Steps of a world of bodies multiply masses, lengths and speeds in `f32`.
+#[test]
+fn no_number_is_restored_of_which_a_step_makes_nan() {
+    for id in [
+        "LunarLander-v3",
+        "BipedalWalker-v3",
+        "CarRacing-v3",
+        "rapier/LunarLander-v3",
+    ] {
+        let mut env = played(id);
+        let mut stored = serde_json::to_value(env.snapshot().unwrap()).unwrap();
+        let action = env.action_space().zero().unwrap();
+        let mut places = Vec::new();
+        floats(&stored, "", &mut places);
+        assert!(places.len() > 100, "{id}");
+        for place in places.iter().step_by(places.len().div_ceil(400)) {
+            for large in [9.2e18, 9.9e3] {
+                let part = stored.pointer_mut(place).unwrap();
+                let good = std::mem::replace(part, json!(large));
+                let damaged: Snapshot = serde_json::from_value(stored.clone()).unwrap();
+                *stored.pointer_mut(place).unwrap() = good;
+                if env.restore(&damaged).is_err() {
+                    continue;
+                }
+                for _ in 0..3 {
+                    let step = env.step(&action).unwrap();
+                    let mut numbers = step.observation.as_array().unwrap().iter_f64();
+                    assert!(numbers.all(|x| !x.is_nan()), "{id}: {large} at {place}");
+                    if step.done() {
+                        break;
+                    }
+                }
+            }
+        }
+    }
+}
+
 /// Ids whose environments are equal read each other's snapshots, and continue identically. All
 /// others refuse them.
 #[test]

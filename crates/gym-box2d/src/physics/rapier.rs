@@ -32,6 +32,7 @@
 
 use std::fmt;
 
+use gym_core::exact::every_float;
 use rapier2d::math::{Pose as RapierPose, Rotation, Vector};
 use rapier2d::parry::mass_properties::MassProperties;
 use rapier2d::prelude::{
@@ -49,6 +50,7 @@ use super::box2d::math::{Vec2, cross, dot, rotate, rotation, vec2};
 use super::box2d::motion::Velocity;
 use super::box2d::shape::{Geometry, Kind};
 use super::box2d::{Box2d, TimeStep, body::Body};
+use super::world::LARGEST;
 use crate::physics::{BodyDef, ContactEvent, FixtureDef, RayHit, RevoluteJointDef};
 
 /// The damping of a motor: so large that only the motor's torque limit matters.
@@ -512,19 +514,15 @@ impl Rapier {
     /// Whether the scene is consistent and rapier knows its bodies and joints. rapier's own state
     /// is not checked.
     pub(super) fn is_valid(&self) -> bool {
-        let body = |(id, _)| {
-            self.bodies
-                .get(id as usize)
-                .is_some_and(|handle| self.sets.bodies.get(*handle).is_some())
-        };
-        let joint = |(id, _)| {
-            self.joints
-                .get(id as usize)
-                .is_some_and(|handle| self.sets.joints.get(*handle).is_some())
-        };
-        self.scene.is_valid()
-            && self.scene.bodies.iter().map(|(id, _)| (id, ())).all(body)
-            && self.scene.joints.iter().map(|(id, _)| (id, ())).all(joint)
+        let bodies = |id: u32| self.sets.bodies.get(*self.bodies.get(id as usize)?);
+        let joints = |id: u32| self.sets.joints.get(*self.joints.get(id as usize)?);
+        // what rapier sets itself is larger
+        let own = [MOTOR_DAMPING, f32::MAX].map(f64::from);
+        every_float(&*self.sets, |x| {
+            x.abs() <= LARGEST || own.contains(&x.abs())
+        }) && self.scene.is_valid()
+            && self.scene.bodies.iter().all(|(id, _)| bodies(id).is_some())
+            && self.scene.joints.iter().all(|(id, _)| joints(id).is_some())
     }
 }
 

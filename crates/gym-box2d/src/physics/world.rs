@@ -1,6 +1,6 @@
 //! The common interface of both engines.
 
-use gym_core::exact::is_finite;
+use gym_core::exact::every_float;
 use serde::{Deserialize, Serialize};
 
 #[cfg(feature = "rapier")]
@@ -14,6 +14,10 @@ use super::{
     BodyDef, BodyId, ContactEvent, FixtureDef, FixtureId, JointId, Pose, RayHit, RevoluteJointDef,
     Vec2,
 };
+
+/// The largest number of a world that is restored. Episodes have up to 600, and a step multiplies
+/// masses, lengths and speeds in `f32`.
+pub(super) const LARGEST: f64 = 1e4;
 
 /// The engine of a world.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
@@ -328,9 +332,10 @@ impl World {
         engine!(&mut self.engine, world => world.set_max_motor_torque(joint.0, torque));
     }
 
-    /// Whether a deserialized world can be used without a panic.
+    /// Whether a deserialized world can be used without a panic, and a step of it gives numbers.
     pub fn is_valid(&self) -> bool {
-        is_finite(self) && engine!(&self.engine, world => world.is_valid())
+        every_float(self, |x| x.abs() <= LARGEST)
+            && engine!(&self.engine, world => world.is_valid())
     }
 
     /// Whether a deserialized id belongs to a body of this world.

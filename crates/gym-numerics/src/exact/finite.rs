@@ -1,27 +1,32 @@
-//! Whether a state contains infinity or NaN.
+//! What holds of every float of a state: that it is finite, or not too large.
 
 use std::fmt;
 
 use serde::Serialize;
 use serde::ser::{self, Serializer};
 
-/// Whether every float of a state is finite, as its `Serialize` shows it. For states that come from
-/// outside: a field that is added later is covered too.
+/// Whether every float of a state is finite. For states that come from outside.
 pub fn is_finite<T: Serialize + ?Sized>(state: &T) -> bool {
-    state.serialize(Finite).is_ok()
+    every_float(state, f64::is_finite)
 }
 
-/// A serializer that writes nothing, and fails at a float that is not finite.
-#[derive(Clone, Copy)]
-struct Finite;
+/// Whether `holds` is true of every float of a state, as its `Serialize` shows it: a field that is
+/// added later is covered too.
+pub fn every_float<T: Serialize + ?Sized>(state: &T, holds: impl Fn(f64) -> bool) -> bool {
+    state.serialize(Every(&holds)).is_ok()
+}
 
-/// A float was not finite.
+/// A serializer that writes nothing, and fails at a float of which its function is false.
+#[derive(Clone, Copy)]
+struct Every<'a>(&'a dyn Fn(f64) -> bool);
+
+/// A float of which the function is false.
 #[derive(Debug)]
 struct Found;
 
 impl fmt::Display for Found {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str("a float is not finite")
+        f.write_str("a float is not as it must be")
     }
 }
 
@@ -53,16 +58,16 @@ macro_rules! look {
     };
 }
 
-impl Serializer for Finite {
+impl Serializer for Every<'_> {
     type Ok = ();
     type Error = Found;
 
     fn serialize_f32(self, value: f32) -> Result<(), Found> {
-        value.is_finite().then_some(()).ok_or(Found)
+        self.serialize_f64(value.into())
     }
 
     fn serialize_f64(self, value: f64) -> Result<(), Found> {
-        value.is_finite().then_some(()).ok_or(Found)
+        (self.0)(value).then_some(()).ok_or(Found)
     }
 
     look! {
@@ -105,7 +110,7 @@ impl Serializer for Finite {
 
 macro_rules! look_at_items {
     ($($part:ident { $($method:ident($($key:ty)?))* })*) => {$(
-        impl ser::$part for Finite {
+        impl ser::$part for Every<'_> {
             type Ok = ();
             type Error = Found;
 
@@ -168,12 +173,16 @@ mod tests {
             map: BTreeMap::from([("a".to_owned(), None), ("b".to_owned(), Some(bad[7]))]),
         };
         assert!(is_finite(&state([f64::MIN_POSITIVE; 8])));
+        assert!(every_float(&state([-1.0; 8]), |x| x.abs() <= 1.0));
         for i in 0..8 {
             for bad in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
                 let mut numbers = [1.0; 8];
                 numbers[i] = bad;
                 assert!(!is_finite(&state(numbers)), "{i} {bad}");
             }
+            let mut numbers = [1.0; 8];
+            numbers[i] = 2.0;
+            assert!(!every_float(&state(numbers), |x| x.abs() <= 1.0), "{i}");
         }
     }
 }

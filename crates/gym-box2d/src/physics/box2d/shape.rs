@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::math::{
-    Pose, Vec2, cross, cross_one, dot, length, max2, min2, normalize, rotate_back, transform, vec2,
+    Pose, Vec2, cross, cross_one, dot, max2, min2, normalize, rotate_back, transform, vec2,
 };
 use super::settings::{LINEAR_SLOP, POLYGON_RADIUS};
 use crate::physics::Shape;
@@ -310,12 +310,6 @@ impl Geometry {
         };
         count.contains(&self.count)
             && self.radius >= 0.0
-            && length(self.centroid).is_finite()
-            && self
-                .vertices
-                .iter()
-                .chain(&self.normals)
-                .all(|v| length(*v).is_finite())
             && (self.kind == Kind::Circle || self.radius >= LINEAR_SLOP)
     }
 }

@@ -151,7 +151,7 @@ const fn ant(id: &'static str, kwargs: &'static str, steps: u32) -> Registration
         .description("Walk through a maze to a goal on four legs.")
         .kwargs(kwargs)
         .max_episode_steps(steps)
-        .reset_options(&[("goal_cell", "[1, 1]"), ("reset_cell", "[3, 1]")])
+        .reset_options(&[("goal_cell", "[3, 3]"), ("reset_cell", "[1, 2]")])
         .exceptions(match id.as_bytes() {
             [.., b'3'] => OLD,
             _ => NEW,

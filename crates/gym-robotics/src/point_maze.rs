@@ -18,19 +18,23 @@
 //! MuJoCo that `mujoco` names, for Linux on x86-64. A map on which an episode cannot start is an
 //! error, where the package waits for ever.
 //!
+//! A scripted policy steers the ball along a shortest way, in the picture too: `cargo xtask run
+//! PointMaze_UMaze-v3 --policy good`.
+//!
 //! Source: Gymnasium-Robotics 1.4.2, `envs/maze/point_maze.py`, `point.py` and `maze_v4.py`.
 
 use gym_core::keys::{Keys, json};
 use gym_core::registry::{Build, Clip};
-use gym_core::{Array, Registration, Result};
+use gym_core::{Array, Env as _, Policy, Registration, Result, Value};
 use gym_sim::view::CameraConfig;
 use gym_sim::{
     Common, Measured, Naming, Observation, SimEnv, SimTask, Simulation, Start, register,
 };
 use mujoco_engine::lanes::Derived;
 use mujoco_engine::{Data, Model};
+use serde::Deserialize;
 
-use crate::maze::{AT_THE_GOAL, Agent, Maze, MazeArguments, make, mazes};
+use crate::maze::{AT_THE_GOAL, Agent, Map, Maze, MazeArguments, Way, make, mazes};
 
 const FASTEST: f64 = 5.0; // m/s, along x and along y
 
@@ -58,7 +62,7 @@ impl Build for PointMaze {
     type Env = SimEnv;
 
     fn build(config: Config, version: u32) -> Result<SimEnv> {
-        let maze = Maze::new(&config.maze.maze_map, 1.0, 0.4, false)?;
+        let maze = maze(&config.maze.maze_map)?;
         let camera = CameraConfig::at([0.0; 3], 1.35 * maze.extent(), 90.0, -60.0);
         let common = Common {
             xml_file: include_str!("../models/point.xml").to_owned(),
@@ -73,6 +77,10 @@ impl Build for PointMaze {
         };
         make(agent, &config.maze, maze, |_| Ok(Ball))
     }
+}
+
+fn maze(map: &Map) -> Result<Maze> {
+    Maze::new(map, 1.0, 0.4, false)
 }
 
 /// The ball.
@@ -108,21 +116,42 @@ impl SimTask for Ball {
     }
 }
 
+/// Steers the ball from cell to cell, against its velocity.
+const STEERED: Policy = Policy::rules(
+    "steers the ball along a shortest way, from the middle of a cell to the middle of the next",
+    |env| {
+        let map = Map::deserialize(env.inspect()?.arguments().get("maze_map")?).ok()?;
+        let (maze, mut way) = (maze(&map).ok()?, Way::default());
+        Some(Box::new(move |_, seen| {
+            let numbers = |key: &str| seen.get(key)?.as_slice::<f64>();
+            let [goal, state] = ["desired_goal", "observation"].map(numbers);
+            let (&[x, y], &[own_x, own_y, v_x, v_y]) = (goal?, state?) else {
+                return None;
+            };
+            let [to_x, to_y] = way.next(&maze, [own_x, own_y], [x, y]);
+            let force = |way: f64, v: f64| (10.0 * way - v).clamp(-1.0, 1.0) as f32;
+            let forces = vec![force(to_x - own_x, v_x), force(to_y - own_y, v_y)];
+            Some(Value::Array(forces.into()))
+        }))
+    },
+);
+
 /// The registration that all ids share.
 const fn point(id: &'static str, kwargs: &'static str, steps: u32) -> Registration {
     register::<PointMaze>(id)
         .description("Push a ball through a maze to a goal.")
         .kwargs(kwargs)
         .max_episode_steps(steps)
-        .reset_options(&[("goal_cell", "[1, 1]"), ("reset_cell", "[3, 1]")])
+        .reset_options(&[("goal_cell", "[3, 3]"), ("reset_cell", "[1, 2]")])
         .keys(|_| {
             let keys = json!({"Right": [1, 0], "Up": [0, 1], "Left": [-1, 0], "Down": [0, -1]});
             Keys::new(keys).idle(json!([0, 0]))
         })
         .exceptions(AT_THE_GOAL)
+        .policy(STEERED)
         .clip(Clip {
             seeds: 0..2,
-            every: 3,
+            every: 6,
             frames: 60,
             size: (240, 240),
         })

@@ -14,6 +14,7 @@ mod native;
 mod native_refused;
 mod native_steps;
 mod notebook;
+mod options;
 mod parity;
 mod parity_box2d;
 mod places;

@@ -22,6 +22,7 @@
 //! Source: Gymnasium-Robotics 1.4.2, `envs/fetch/fetch_env.py`, `reach.py`, `push.py`, `slide.py`,
 //! `pick_and_place.py`, and `envs/robot_env.py`.
 
+mod policy;
 mod velocity;
 
 use std::path::PathBuf;
@@ -30,7 +31,7 @@ use std::sync::Arc;
 use gym_core::keys::{Keys, json};
 use gym_core::registry::{Build, Clip};
 use gym_core::spaces::BoxSpace;
-use gym_core::{Array, Error, Goals, Registration, Result};
+use gym_core::{Array, Error, Goals, Policy, Registration, Result};
 use gym_sim::numpy::norm_avx2;
 use gym_sim::view::CameraConfig;
 use gym_sim::{
@@ -475,8 +476,13 @@ impl SimTask for Task {
 }
 
 /// The registration that all ids share.
-const fn fetch(id: &'static str, kwargs: &'static str, description: &'static str) -> Registration {
-    Registration::new::<Fetch>(id)
+const fn fetch(
+    id: &'static str,
+    kwargs: &'static str,
+    description: &'static str,
+    policy: Option<Policy>,
+) -> Registration {
+    let registration = Registration::new::<Fetch>(id)
         .names(gym_sim::names)
         .description(description)
         .kwargs(kwargs)
@@ -498,28 +504,34 @@ const fn fetch(id: &'static str, kwargs: &'static str, description: &'static str
             every: 1,
             frames: 50,
             size: (240, 240),
-        })
+        });
+    match policy {
+        Some(policy) => registration.policy(policy),
+        None => registration,
+    }
 }
 
 macro_rules! ids {
-    ($($name:literal, $skill:literal, $description:literal;)+) => {
+    ($($name:literal, $skill:literal, $description:literal, $policy:expr;)+) => {
         gym_core::register!($(
             fetch(
                 concat!("Fetch", $name, "-v4"),
                 concat!("{\"skill\":\"", $skill, "\",\"reward_type\":\"sparse\"}"),
                 $description,
+                $policy,
             ),
             fetch(
                 concat!("Fetch", $name, "Dense-v4"),
                 concat!("{\"skill\":\"", $skill, "\",\"reward_type\":\"dense\"}"),
                 $description,
+                $policy,
             ),
         )+);
     };
 }
 ids! {
-    "Reach", "reach", "Move the gripper of an arm to a goal.";
-    "Push", "push", "Push a box to a goal with an arm.";
-    "Slide", "slide", "Hit a puck so that it slides to a goal.";
-    "PickAndPlace", "pick_and_place", "Carry a box to a goal with an arm.";
+    "Reach", "reach", "Move the gripper of an arm to a goal.", Some(policy::REACH);
+    "Push", "push", "Push a box to a goal with an arm.", None;
+    "Slide", "slide", "Hit a puck so that it slides to a goal.", None;
+    "PickAndPlace", "pick_and_place", "Carry a box to a goal with an arm.", Some(policy::CARRY);
 }

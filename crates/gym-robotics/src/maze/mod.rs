@@ -3,10 +3,12 @@
 mod ids;
 mod map;
 mod task;
+mod way;
 
 pub(crate) use ids::mazes;
 pub use map::{Cell, Map};
 pub(crate) use task::{Agent, make};
+pub(crate) use way::Way;
 
 use gym_core::registry::Exceptions;
 use gym_core::{Error, Kwargs, Result};
@@ -117,6 +119,14 @@ impl Maze {
             (column as f64 + 0.5) * self.scale - columns,
             rows - (row as f64 + 0.5) * self.scale,
         ]
+    }
+
+    /// The row and the column of the cell around a place; `None` outside of the maze.
+    fn cell(&self, [x, y]: [f64; 2]) -> Option<[usize; 2]> {
+        let [rows, columns] = self.map.size().map(|n| n as f64 / 2.0);
+        let cell = [rows - y / self.scale, columns + x / self.scale];
+        let [row, column] = cell.map(|x| if x >= 0.0 { x as usize } else { usize::MAX });
+        self.map.get(row, column).map(|_| [row, column])
     }
 
     /// The height of the middle of the walls, in m.

@@ -1,7 +1,7 @@
 //! Mazes: maps, reset options, goals, snapshots, vectors.
 
 use gym_core::vector::{Autoreset, Columns, VectorKind};
-use gym_core::{BoxEnv, Env, EnvExt, Error, Reset, Value, VectorEnvExt, builder, make};
+use gym_core::{BoxEnv, Env, EnvExt, Error, Reset, Value, VectorEnvExt, builder, make, registry};
 use gym_robotics as _;
 use serde_json::{Value as Json, json};
 
@@ -306,6 +306,27 @@ fn native_vectors_have_the_bits_of_sync_ones() {
                 assert!(native == sync, "{id}, {n}, {mujoco}, {mode:?}, step {step}");
                 assert_eq!(columns[0].terminated, columns[1].terminated);
                 assert_eq!(columns[0].truncated, columns[1].truncated);
+            }
+        }
+    }
+}
+
+#[test]
+fn the_good_policy_steers_to_every_goal() {
+    for id in ["UMaze", "Medium", "Large", "Open_Diverse_GR"] {
+        let id = format!("PointMaze_{id}-v3");
+        let policy = registry::find(&id).unwrap().page.policy.unwrap();
+        let mut env = builder(&id).arg("continuing_task", false).build().unwrap();
+        for seed in 0..5 {
+            let mut seen = env.reset(seed).unwrap();
+            let mut act = policy.controller(&env).unwrap().unwrap();
+            loop {
+                let step = env.step(&act(&env, &seen).unwrap()).unwrap();
+                assert!(!step.truncated, "{id}, seed {seed}: {seen}");
+                if step.terminated {
+                    break;
+                }
+                seen = step.observation;
             }
         }
     }

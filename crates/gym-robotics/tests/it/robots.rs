@@ -152,6 +152,63 @@ fn files_that_are_missing_or_others_are_refused() {
     fs::remove_dir_all(&own).unwrap();
 }
 
+/// Models that no package has: what is wrong with them is found without the package.
+#[test]
+fn made_up_models_are_refused() {
+    let own = folder("made-up");
+    let write = |path: &str, text: &str| {
+        let path = own.join(path);
+        fs::create_dir_all(path.parent().unwrap()).unwrap();
+        fs::write(path, text).unwrap();
+    };
+    let refused = |id: &str, says: &str| {
+        let error = from(id, &own).unwrap_err().to_string();
+        let remedies = ["pip install gymnasium-robotics==1.4.2", assets::VARIABLE];
+        for says in remedies.into_iter().chain([says]) {
+            assert!(error.contains(says), "{id}: {error}");
+        }
+    };
+    let part = r#"<mujoco><include file="shared.xml"/></mujoco>"#;
+    write("fetch/reach.xml", part);
+    refused("FetchReach-v4", "shared.xml");
+    write("fetch/shared.xml", "<mujoco><asset>");
+    refused("FetchReach-v4", "shared.xml");
+    let mesh =
+        r#"<mujoco><asset><mesh name="base" file="../stls/fetch/base.stl"/></asset></mujoco>"#;
+    write("fetch/shared.xml", mesh);
+    refused("FetchReach-v4", "base.stl");
+    write("stls/fetch/base.stl", "solid");
+    refused("FetchReach-v4", "base.stl");
+    // models that are whole, of a folder that lacks others
+    for (id, path, lacks) in [
+        ("FetchPush-v4", "fetch/push.xml", "textures"),
+        ("HandReach-v3", "hand/reach.xml", "stls/hand"),
+        (
+            "HandManipulateEgg-v1",
+            "hand/manipulate_egg.xml",
+            "stls/hand",
+        ),
+    ] {
+        write(path, "<mujoco/>");
+        refused(id, lacks);
+    }
+    write("textures/block.png", "");
+    write("stls/hand/F1.stl", "");
+    write(
+        "kitchen_franka/kitchen_assets/kitchen_env_model.xml",
+        "<mujoco/>",
+    );
+    for id in [
+        "FetchPush-v4",
+        "HandReach-v3",
+        "HandManipulateEgg-v1",
+        "FrankaKitchen-v1",
+    ] {
+        refused(id, "not those of gymnasium-robotics 1.4.2");
+    }
+    fs::remove_dir_all(&own).unwrap();
+}
+
 fn numbers(observation: &Value, key: &str) -> Vec<f64> {
     let part = observation.get(key).unwrap();
     part.as_slice::<f64>().unwrap().to_vec()
@@ -330,4 +387,32 @@ fn the_kitchen_counts_what_is_done() {
     let step = env.step(&vec![0.0_f64; 9].into()).unwrap();
     assert_eq!((step.reward, step.terminated), (0.0, false));
     assert_eq!(lists.map(|name| list(&env, name)), [1, 0, 1]);
+}
+
+/// Returns the number of 20 episodes in which the good policy of an environment succeeds.
+fn successes(id: &str) -> usize {
+    let policy = registry::find(id).unwrap().page.policy.unwrap();
+    let mut env = make(id).unwrap();
+    let mut succeeds = |seed: u64| {
+        let mut seen = env.reset(seed).unwrap();
+        let mut act = policy.controller(&env).unwrap().unwrap();
+        loop {
+            let step = env.step(&act(&env, &seen).unwrap()).unwrap();
+            if step.truncated {
+                return step.reward == 0.0;
+            }
+            seen = step.observation;
+        }
+    };
+    (0..20).filter(|seed| succeeds(*seed)).count()
+}
+
+#[test]
+fn good_policies_succeed() {
+    if models().is_some() {
+        assert_eq!(
+            ["FetchReach-v4", "FetchPickAndPlace-v4"].map(successes),
+            [20, 20]
+        );
+    }
 }

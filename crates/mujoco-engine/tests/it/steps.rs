@@ -1,10 +1,11 @@
-//! Steps of a made robot of meshes on a height field, with loose meshes, compared with libmujoco's
-//! to the last bit. `recorded/steps.py` recorded the digests.
+//! Steps of made models, compared with libmujoco's to the last bit. `recorded/steps.py` recorded the
+//! digests.
 
 use gym_numerics::RandomState;
 use mujoco_engine::{Data, Model, step};
 
-const TEXT: &str = r#"<mujoco>
+/// A robot of meshes on a height field, with loose meshes.
+const ROBOT: &str = r#"<mujoco>
   <option timestep=".004"/>
   <default><geom condim="3" friction=".8 .01 .001"/><joint axis="0 1 0" damping=".2" armature=".01"/></default>
   <asset>
@@ -33,26 +34,51 @@ const TEXT: &str = r#"<mujoco>
   <actuator><position joint="a" kp="4"/><position joint="b" kp="4"/><position joint="c" kp="4"/><position joint="d" kp="4"/></actuator>
 </mujoco>"#;
 
+/// A pair in a fluid, of which one is lifted against gravity.
+const LIFTED: &str = r#"<mujoco><option timestep=".003" density="1.2" viscosity=".5"/>
+  <worldbody><body pos="0 0 1" euler="20 30 40" gravcomp=".4"><freejoint/><geom type="box" size=".2 .1 .05" density="9"/>
+    <body pos=".2 0 0"><joint axis="0 1 0" damping=".01"/><geom type="capsule" size=".03 .1" density="9"/></body></body></worldbody></mujoco>"#;
+
+/// Tendons whose forces on sites follow from an equality, after another kind of equality.
+const COUPLED: &str = r#"<mujoco><option timestep=".003"/>
+  <worldbody>
+    <body name="a"><joint name="a" axis="0 1 0"/><geom type="capsule" fromto="0 0 0 .3 0 0" size=".03"/><site name="a" pos=".3 0 0"/></body>
+    <body name="b" pos="0 .3 0"><joint name="b" axis="0 1 0"/><geom type="capsule" fromto="0 0 0 .3 0 0" size=".03"/><site name="b" pos=".3 0 0"/></body>
+    <body name="c" pos="0 .6 0"><joint name="c" axis="0 1 0"/><geom type="capsule" fromto="0 0 0 .3 0 0" size=".03"/><site name="c" pos=".3 0 0"/></body>
+  </worldbody>
+  <tendon><spatial name="ab"><site site="a"/><site site="b"/></spatial><spatial name="bc"><site site="b"/><site site="c"/></spatial></tendon>
+  <equality><joint joint1="a" joint2="c"/><tendon tendon1="ab" tendon2="bc" polycoef="0 .9 0 0 0"/></equality>
+  <actuator><motor joint="b" gear=".5"/></actuator>
+  <sensor><torque site="a"/><force site="b"/></sensor>
+</mujoco>"#;
+
+/// A digest of the positions, velocities and sensors over 300 steps of random controls.
+fn digest(text: &str, version: &str) -> u64 {
+    let m = Model::from_xml_with(text, version.parse().unwrap()).unwrap();
+    let (mut d, mut random) = (Data::new(&m), RandomState::new(0));
+    let mut digest: u64 = 0xcbf2_9ce4_8422_2325;
+    for _ in 0..300 {
+        for control in &mut d.ctrl {
+            *control = random.uniform(-1.0, 1.0);
+        }
+        step(&m, &mut d);
+        for number in d.qpos.iter().chain(&d.qvel).chain(&d.sensordata) {
+            digest = (digest ^ number.to_bits()).wrapping_mul(0x100_0000_01b3);
+        }
+    }
+    digest
+}
+
 #[test]
 fn steps_are_libmujocos() {
-    for (version, expected) in [
-        ("3.12.0", 0x02b2_88b2_7523_2b4b),
-        ("4.0.0", 0x6081_ebba_ac35_5039),
-    ] {
-        let m = Model::from_xml_with(TEXT, version.parse().unwrap()).unwrap();
-        let (mut d, mut random) = (Data::new(&m), RandomState::new(0));
-        let mut digest: u64 = 0xcbf2_9ce4_8422_2325;
-        for _ in 0..300 {
-            for control in &mut d.ctrl {
-                *control = random.uniform(-1.0, 1.0);
-            }
-            step(&m, &mut d);
-            for number in d.qpos.iter().chain(&d.qvel) {
-                digest = (digest ^ number.to_bits()).wrapping_mul(0x100_0000_01b3);
-            }
-        }
-        assert_eq!(digest, expected, "{version}: {digest:016x}");
-    }
+    let digests = [ROBOT, LIFTED, COUPLED]
+        .map(|text| ["3.12.0", "4.0.0"].map(|version| digest(text, version)));
+    let expected = [
+        [0x02b2_88b2_7523_2b4b, 0x6081_ebba_ac35_5039],
+        [0x73d4_439d_8f84_d0f6, 0x98ab_aee2_5cfc_48c1],
+        [0xd14b_c14f_6fac_7548, 0x0b54_c0f7_dfd4_c389],
+    ];
+    assert_eq!(digests, expected, "{digests:x?}");
 }
 
 /// Its derivatives are those of libmujoco up to rounding. The limits of small divisors do not count

@@ -178,6 +178,13 @@ fn files_give_their_pixels() {
     let up = of(r#"name="t" fileup="t.png""#);
     assert_eq!((&up[24..36], up[0]), (&*grey(&[10, 20, 30, 40]), 204));
 
+    // the folders of all files of textures are left out
+    for texture in [r#"file="no/t.png""#, r#"name="t" fileback="no/t.png""#] {
+        let text = textured(texture).replace("<compiler", "<compiler strippath=\"true\"");
+        fs::write(folder.path().join("m.xml"), text).unwrap();
+        folder.model("m.xml").unwrap();
+    }
+
     for (texture, words) in [
         (
             r#"name="t" type="2d" file="none.png""#,

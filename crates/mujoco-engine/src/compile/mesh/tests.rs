@@ -293,13 +293,19 @@ fn an_msh_file_must_have_the_size_that_it_declares() {
             ..
         })
     ));
-    for (place, count) in [(0, 3), (0, -5), (1, 3), (2, 5), (3, -1)] {
+    for (place, count, name) in [
+        (0, 3, "vertices"),
+        (0, -5, "vertices"),
+        (1, 3, "normals"),
+        (2, 5, "texture coordinates"),
+        (3, -1, "faces"),
+    ] {
         let mut file = file.clone();
         file[4 * place..4 * place + 4].copy_from_slice(&i32::to_le_bytes(count));
-        assert!(
-            matches!(read(&file), Err(MeshError::Count { .. })),
-            "{place}: {count}"
-        );
+        let Err(MeshError::Count { found, what, .. }) = read(&file) else {
+            panic!("{place}: {count}");
+        };
+        assert_eq!((found, what), (i64::from(count), name));
     }
     let mut huge = file.clone();
     huge[..4].copy_from_slice(&i32::MAX.to_le_bytes());

@@ -145,7 +145,7 @@ fn find_incidence(
             incident: Incident::Face(second),
         });
     }
-    let [d1, d2] = [&spans[0], &spans[1]].map(|span| span.number);
+    let (d1, d2) = (spans[0].number, spans[1].number);
     let second_first = (d2 < d1 || found[1].is_empty()) && d2 != 3 && !found[0].is_empty();
     let order = if second_first { [1, 0] } else { [0, 1] };
     for with_edge in order {
@@ -181,13 +181,13 @@ fn find_incidence(
 /// Returns the most parallel pair among the faces whose normals point along the contact normal.
 fn parallel(found: &[Vec<Face>; 2], outward: [Vec3; 2]) -> Option<[Face; 2]> {
     let least = norm(outward[1]) * SLOPE;
-    let [first, second] = [0, 1].map(|k| {
+    let facing = |k: usize| {
         let faces = found[k].iter();
         faces.filter(move |face| dot(face.normal, outward[k]) > least)
-    });
+    };
     let (mut best, mut pair) = (-PARALLEL, None);
-    for a in first {
-        for b in second.clone() {
+    for a in facing(0) {
+        for b in facing(1) {
             let cosine = dot(a.normal, b.normal);
             if cosine < best {
                 (best, pair) = (cosine, Some([*a, *b]));
@@ -226,8 +226,9 @@ fn cut_by_side(
     kept.clear();
     for (i, &p) in line.iter().enumerate() {
         let q = line[(i + 1) % line.len()];
-        let [from, to] = [p, q].map(|point| dot(sub(point, corner), normal));
-        let [starts, stays] = [from, to].map(|height| height > -MINVAL);
+        let height = |point| dot(sub(point, corner), normal);
+        let (from, to) = (height(p), height(q));
+        let (starts, stays) = (from > -MINVAL, to > -MINVAL);
         if starts != stays {
             let share = if revision.cuts_by_heights() {
                 from / (from - to)

@@ -98,7 +98,7 @@ fn find_incidence(
             });
         }
     }
-    let [d1, d2] = [0, 1].map(|k: usize| spans[k].number);
+    let (d1, d2) = (spans[0].number, spans[1].number);
     let with_edge = match () {
         () if d1 < 3 && d1 <= d2 => 0,
         () if d2 < 3 => 1,

@@ -46,10 +46,15 @@ function listenToDrops(page) {
   return () => listener.abort();
 }
 
-// Shows where to drop a robot, and what went wrong with the last one.
-function choose(page, fault = null) {
+// Ends what the page shows.
+function end(page) {
   page.end();
   page.end = () => {};
+}
+
+// Shows where to drop a robot, and what went wrong with the last one.
+function choose(page, fault = null) {
+  end(page);
   const input = (attributes) => {
     const element = h("input", { type: "file", class: "visually-hidden", tabIndex: -1, ...attributes });
     element.addEventListener("change", () => element.files.length && take(page, ofList(element.files)));
@@ -87,17 +92,19 @@ function advice(fault) {
   return "Mend it, and drop the robot again.";
 }
 
-// Shows a message while files are read or a model is compiled, with a button to stop.
+// Shows a message while files are read or a model is compiled, how long that takes so far, and a button to stop.
 function wait(page, text) {
-  page.end();
-  page.end = () => {};
+  end(page);
+  const [since, passed] = [performance.now(), h("output", {})];
+  const clock = setInterval(() => (passed.textContent = ` ${Math.round((performance.now() - since) / 1000)} s`), 1000);
+  page.end = () => clearInterval(clock);
   const stop = () => {
     page.job = null;
     page.engine.end();
     page.engine = new Engine();
     choose(page);
   };
-  page.main.replaceChildren(h("div", { class: "card failure", role: "status" }, h("h1", {}, "One moment"), h("p", {}, text), h("div", { class: "buttons" }, h("button", { type: "button", onclick: stop }, "Stop"))));
+  page.main.replaceChildren(h("div", { class: "card failure", role: "status" }, h("h1", {}, "One moment"), h("p", {}, text, passed), h("div", { class: "buttons" }, h("button", { type: "button", onclick: stop }, "Stop"))));
 }
 
 // Runs a job unless the reader leaves, stops it or starts another. Its errors are shown where a robot is chosen.
@@ -131,6 +138,7 @@ const take = (page, listed) => work(page, async (goesOn) => {
 });
 
 function chooseModel(page, read, paths) {
+  end(page);
   const menu = h("ul", { class: "robot-models" }, paths.map((path) => h("li", {}, h("button", { type: "button", onclick: () => open(page, read, path) }, path))));
   page.main.replaceChildren(h("div", { class: "card failure" }, h("h1", {}, "Which model?"), h("p", {}, `${paths.length} models are among ${read.size} files. The one named scene has a floor, if there is one.`), menu, h("p", {}, h("button", { type: "button", onclick: () => choose(page) }, "Other files"))));
   menu.querySelector("button").focus();

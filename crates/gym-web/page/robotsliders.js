@@ -66,6 +66,6 @@ function slider(view, { name, range: [low, high], value }, actuator) {
   return {
     start, set,
     show: (value) => busy || show(value),
-    element: h("label", { class: "action-slider robot-slider", title: `${name}: ${number(low)} to ${number(high)}` }, h("span", {}, broken(name)), input, output),
+    element: h("label", { class: "action-slider robot-slider", title: name }, h("span", {}, broken(name)), input, output, h("span", { class: "robot-range" }, h("span", {}, number(low)), h("span", {}, number(high)))),
   };
 }

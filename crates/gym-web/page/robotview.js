@@ -48,7 +48,7 @@ export function robotView(page, model, path, files) {
   const nearer = isTouched() ? "Drag to turn, two fingers to move and come nearer." : "Drag to turn, right button to move, wheel to come nearer. Ctrl and drag pulls a body.";
   page.main.replaceChildren(
     h("div", { class: "play-head robot-head" }, h("h1", {}, model.name || path.split("/").pop() || "Model"), fileMenu(files, path)),
-    h("div", { class: "play" },
+    h("div", { class: "play robot-play" },
       h("div", { class: "play-main" }, stage, message, transport.element, h("p", { class: "turn-hint" }, nearer, " ", h("button", { type: "button", class: "small", onclick: view.toggleHelp }, "All keys: ?"))),
       h("div", { class: "play-side" }, sliders.element, sensors.element, card("Model", about(model)))),
     help);

@@ -351,6 +351,22 @@ export async function robotTests({ test, open, find, text, until, button, check,
     frame.width = width;
   });
 
+  await test("on a phone the picture stays in sight while the last slider moves", async () => {
+    const [width, height] = [frame.width, frame.height];
+    [frame.width, frame.height] = [400, 700];
+    await begin();
+    find("#robot-sample").click();
+    await opened();
+    const last = all(".robot-slider").at(-1);
+    last.scrollIntoView({ block: "end" });
+    await sleep(100);
+    const [stage, row] = [find(".robot-stage"), last].map((element) => element.getBoundingClientRect());
+    check(stage.top >= 0 && stage.height > 150 && stage.bottom <= row.top && row.bottom <= 701, `the picture from ${stage.top} to ${stage.bottom}, the slider from ${row.top} to ${row.bottom}`);
+    const { min, max } = last.querySelector("input");
+    check(/\d/.test(last.querySelector(".robot-range").textContent) && Number(min) < Number(max), "the slider's range is not told");
+    [frame.width, frame.height] = [width, height];
+  });
+
   await test("nothing of a robot leaves the page, and the page says so", async () => {
     await begin();
     check(/read, simulated and drawn on this machine. Nothing is sent/.test(text(".robot-drop")), text(".robot-drop"));

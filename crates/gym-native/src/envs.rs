@@ -538,7 +538,7 @@ impl<D: Native> Inspect for OneEnv<'_, D> {
         if envs.state(*index).is_none() {
             return Err(Error::ResetNeeded("set_state"));
         }
-        let state = parts::read_state(&envs.dynamics, state)?;
+        let state = parts::read_state(&envs.dynamics, &state)?;
         let states = &mut envs.blocks[*index / LANES].states;
         envs.dynamics.pack(&state).set(states, *index % LANES);
         Ok(())

@@ -442,25 +442,58 @@ pub fn shortened(text: &str) -> Cow<'_, str> {
     }
 }
 
-/// The start and the end of a message that repeats a long text.
+/// A message that may repeat what a user gave: of a long one the start and the end, and numbers of
+/// hundreds of digits with an exponent.
 ///
 /// ```
+/// use gym_numerics::text::brief;
 /// let message = format!("expected a number, not {}, line 1", "x".repeat(100_000));
-/// let brief = gym_numerics::text::brief(&message);
-/// assert!(brief.len() < 2000 && brief.starts_with("expected a number") && brief.ends_with("line 1"));
-/// assert_eq!(gym_numerics::text::brief("short"), "short");
+/// let told = brief(&message);
+/// assert!(told.len() < 320 && told.starts_with("expected a number") && told.ends_with("line 1"));
+/// assert_eq!(brief("short"), "short");
+/// assert_eq!(brief(&format!("{} is not below {}", -2.5e300, 0.75)), "-2.5e300 is not below 0.75");
+/// assert_eq!(brief(&format!("{:?}", "1".repeat(30))), format!("{:?}", "1".repeat(30)));
 /// ```
 pub fn brief(message: &str) -> Cow<'_, str> {
-    const MAX_LENGTH: usize = 2000;
-    const START: usize = 500;
-    const END: usize = 200;
+    const MAX_LENGTH: usize = 1000;
+    const START: usize = 200;
+    const END: usize = 100;
+    let message = in_few_digits(message);
     if message.chars().nth(MAX_LENGTH).is_none() {
-        return Cow::Borrowed(message);
+        return message;
     }
     let at = |i: Option<(usize, char)>| i.map_or(0, |(i, _)| i);
     let start = &message[..at(message.char_indices().nth(START))];
     let end = &message[at(message.char_indices().nth_back(END))..];
     Cow::Owned(format!("{start} ... {end}"))
+}
+
+/// A message with its longest numbers as floats are written with an exponent. Digits in quotes or
+/// in a word are no number.
+fn in_few_digits(message: &str) -> Cow<'_, str> {
+    /// More characters than any float has that is usually written without an exponent.
+    const MOST: usize = 25;
+    let is_part = |c: char| c.is_ascii_digit() || c == '.';
+    let is_long = |part: &str| part.len() > MOST && !part.starts_with('.');
+    if !message.split(|c| !is_part(c)).any(is_long) {
+        return Cow::Borrowed(message);
+    }
+    let (mut told, mut rest) = (String::new(), message);
+    while let Some(start) = rest.find(is_part) {
+        let end = rest[start..].find(|c| !is_part(c));
+        let end = end.map_or(rest.len(), |length| start + length);
+        told.push_str(&rest[..start]);
+        let part = &rest[start..end];
+        let before = told.chars().next_back();
+        let is_apart = before.is_none_or(|c| !c.is_alphanumeric() && !"_\"'`".contains(c));
+        match part.parse::<f64>() {
+            Ok(x) if is_apart && is_long(part) && x.is_finite() => told.push_str(&format!("{x:e}")),
+            _ => told.push_str(part),
+        }
+        rest = &rest[end..];
+    }
+    told.push_str(rest);
+    Cow::Owned(told)
 }
 
 /// Escapes control characters, marks of text direction and characters that have no glyph. The first

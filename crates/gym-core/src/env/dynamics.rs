@@ -12,6 +12,7 @@ use crate::drawing::render::Metadata;
 use crate::env::{Env, Inspect, Outcome};
 use crate::spaces::Space;
 use crate::spec::{Arguments, Reset, arguments};
+use crate::value::error::shortened;
 use crate::value::{Element, Error, Result, Snapshot, Value};
 
 /// A task without its dynamics: arguments, spaces, starts and drawing.
@@ -335,13 +336,14 @@ impl<D: Dynamics> Stateful<D> {
 /// # Errors
 /// [`Error::InvalidArgument`] for JSON of another form, and for a state that the task does not
 /// have.
-pub fn read_state<T: Task>(task: &T, state: Json) -> Result<T::State> {
+pub fn read_state<T: Task>(task: &T, state: &Json) -> Result<T::State> {
     let refuse = |reason: String| Error::argument(format!("the state of {}", T::NAME), reason);
-    let state = serde_json::from_value(state).map_err(|error| refuse(error.to_string()))?;
-    if task.is_valid(&state) {
-        Ok(state)
+    let read = T::State::deserialize(state).map_err(|error| refuse(error.to_string()))?;
+    if task.is_valid(&read) {
+        Ok(read)
     } else {
-        Err(refuse(format!("{state:?} does not occur")))
+        let state = state.to_string();
+        Err(refuse(format!("{} does not occur", shortened(&state))))
     }
 }
 
@@ -355,7 +357,7 @@ impl<D: Dynamics> Inspect for Stateful<D> {
         let Some(episode) = &mut self.episode else {
             return Err(Error::ResetNeeded("set_state"));
         };
-        episode.state = read_state(&self.dynamics, state)?;
+        episode.state = read_state(&self.dynamics, &state)?;
         Ok(())
     }
 

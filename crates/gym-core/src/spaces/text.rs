@@ -1,5 +1,6 @@
 //! `Text`: strings of a length and of given characters.
 
+use std::collections::BTreeSet;
 use std::fmt;
 
 use gym_numerics::Generator;
@@ -62,12 +63,8 @@ impl TextSpace {
     /// # Errors
     /// [`Error::InvalidSpace`] for an empty list.
     pub fn with_charset(self, charset: &str) -> Result<Self> {
-        let mut distinct = Vec::new();
-        for c in charset.chars() {
-            if !distinct.contains(&c) {
-                distinct.push(c);
-            }
-        }
+        let mut seen = BTreeSet::new();
+        let distinct: Vec<char> = charset.chars().filter(|c| seen.insert(*c)).collect();
         if distinct.is_empty() {
             return invalid("the character set of a text is empty: give at least one character");
         }
@@ -245,6 +242,14 @@ mod tests {
             space,
             TextSpace::new(1, 2).unwrap().with_charset("abc").unwrap()
         );
+    }
+
+    /// With a comparison for each pair of characters this would take minutes.
+    #[test]
+    fn every_character_can_be_in_the_set() {
+        let all: String = ('\0'..=char::MAX).collect();
+        let space = TextSpace::new(0, 1).unwrap().with_charset(&all).unwrap();
+        assert_eq!(space.charset().len(), all.chars().count());
     }
 
     #[test]

@@ -219,7 +219,7 @@ impl fmt::Debug for Error {
 }
 
 /// Types of Rust in messages of serde, and words for them.
-const TYPES: [(&[&str], &str); 3] = [
+const TYPES: [(&[&str], &str); 4] = [
     (
         &["usize", "u64", "u32", "u16", "u8"],
         "expected a whole number, zero or greater",
@@ -229,6 +229,18 @@ const TYPES: [(&[&str], &str); 3] = [
         "expected a whole number",
     ),
     (&["f64", "f32"], "expected a number"),
+    // (how serde calls an enum of names)
+    (&["string or map"], "expected a text"),
+];
+
+/// Types of Rust with fewer whole numbers than JSON, and their largest number.
+const SMALL_TYPES: [(&str, u64); 6] = [
+    ("u32", u32::MAX as u64),
+    ("u16", u16::MAX as u64),
+    ("u8", u8::MAX as u64),
+    ("i32", i32::MAX as u64),
+    ("i16", i16::MAX as u64),
+    ("i8", i8::MAX as u64),
 ];
 
 /// A message that may be serde's: without types of Rust, and in brief.
@@ -238,6 +250,24 @@ fn told(message: &str) -> Cow<'_, str> {
         return message;
     }
     let mut told = message.into_owned();
+    // a number of the right kind, but too large: without a sign
+    if let Some((_, number)) = told.split_once("invalid value: integer `")
+        && number.starts_with(|c: char| c.is_ascii_digit())
+    {
+        for (name, most) in SMALL_TYPES {
+            told = told.replace(
+                &format!("expected {name}"),
+                &format!("expected at most {most}"),
+            );
+        }
+    }
+    // (how serde calls a struct)
+    while let Some(start) = told.find("expected struct ") {
+        let name = start + "expected struct ".len();
+        let rest = told[name..].find(|c: char| !c.is_alphanumeric());
+        let end = rest.map_or(told.len(), |length| name + length);
+        told.replace_range(start..end, "expected a map");
+    }
     for (types, words) in TYPES {
         for name in types {
             told = told.replace(&format!("expected {name}"), words);
@@ -357,6 +387,53 @@ mod tests {
             );
             assert!(told(Error::Snapshot(read(text).to_string())).contains(words));
         }
+    }
+
+    #[test]
+    fn a_number_beyond_its_type_is_told_the_largest() {
+        #[derive(Debug, serde::Deserialize)]
+        struct Sized {
+            _width: u32,
+            _offset: i32,
+            _shade: u8,
+        }
+        let told = |width: &str, offset: &str, shade: &str| {
+            let text = format!(r#"{{"_width": {width}, "_offset": {offset}, "_shade": {shade}}}"#);
+            let error = serde_json::from_str::<Sized>(&text).unwrap_err();
+            Error::argument("A-v0", error.to_string()).to_string()
+        };
+        for (width, offset, shade, words) in [
+            ("4294967296", "0", "0", "expected at most 4294967295"),
+            ("0", "2147483648", "0", "expected at most 2147483647"),
+            ("0", "0", "256", "expected at most 255"),
+            ("-1", "0", "0", "expected a whole number, zero or greater"),
+            ("0", "-2147483649", "0", "expected a whole number"),
+            ("1.5", "0", "0", "expected a whole number, zero or greater"),
+        ] {
+            let message = told(width, offset, shade);
+            assert!(message.contains(words), "{message}");
+        }
+    }
+
+    #[test]
+    fn enums_and_structs_are_told_in_words() {
+        #[derive(Debug, serde::Deserialize)]
+        enum Kind {
+            Plain,
+        }
+        #[derive(Debug, serde::Deserialize)]
+        struct Camera {
+            _distance: f64,
+        }
+        let told =
+            |error: serde_json::Error| Error::argument("A-v0", error.to_string()).to_string();
+        let read = serde_json::from_value::<Kind>;
+        let kind = told(read(serde_json::json!(1)).unwrap_err());
+        assert!(kind.ends_with("expected a text"), "{kind}");
+        assert!(matches!(read(serde_json::json!("Plain")), Ok(Kind::Plain)));
+        let camera = serde_json::from_value::<Camera>(serde_json::json!(0));
+        let camera = told(camera.unwrap_err());
+        assert!(camera.ends_with("expected a map"), "{camera}");
     }
 
     #[test]

@@ -1,7 +1,7 @@
 //! Wrappers by name, for specs and for the book's table.
 
 use crate::env::BoxEnv;
-use crate::spec::{Argument, Kwargs, WrapperConfig, WrapperSpec, arguments};
+use crate::spec::{Argument, Kwargs, WrapperConfig, WrapperSpec, arguments, nearest};
 use crate::value::error::quoted;
 use crate::value::{Error, Result};
 use crate::vector::VectorEnv;
@@ -148,15 +148,38 @@ impl WrapperSpec {
             .collect();
         let found = known.iter().find(|wrapper| wrapper.name == self.name);
         found.and_then(|wrapper| wrap(wrapper)).ok_or_else(|| {
-            let names: Vec<_> = known.iter().map(|wrapper| wrapper.name).collect();
+            let names = known.iter().map(|wrapper| wrapper.name);
+            let hint = match nearest(&self.name, names.clone()) {
+                Some(near) => format!("did you mean `{near}`?"),
+                None => format!("known are {}", names.collect::<Vec<_>>().join(", ")),
+            };
             Error::argument(
                 of,
-                format!(
-                    "unknown wrapper `{}`: known are {}",
-                    quoted(&self.name),
-                    names.join(", ")
-                ),
+                format!("unknown wrapper `{}`: {hint}", quoted(&self.name)),
             )
         })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_misspelt_wrapper_is_told_the_nearest_and_not_all() {
+        let told = |name: &str| {
+            let found = WrapperSpec::new(name).find("the wrappers", |_| Some(()));
+            found.expect_err("no wrapper").to_string()
+        };
+        let near = told("TimeLimt");
+        assert!(
+            near.ends_with("unknown wrapper `TimeLimt`: did you mean `TimeLimit`?"),
+            "{near}"
+        );
+        let far = told("Nope");
+        assert!(
+            far.contains(": known are ") && far.contains("TimeLimit"),
+            "{far}"
+        );
     }
 }

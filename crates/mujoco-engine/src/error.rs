@@ -1,5 +1,7 @@
 //! Errors of models and states.
 
+use gym_numerics::text::{brief, shortened};
+
 /// A `Result` whose error is [`enum@Error`].
 pub type Result<T, E = Error> = std::result::Result<T, E>;
 
@@ -8,10 +10,15 @@ pub type Result<T, E = Error> = std::result::Result<T, E>;
 #[non_exhaustive]
 pub enum Error {
     /// A compiled model whose fields are inconsistent, or with an unsupported feature.
-    #[error("the compiled model is not valid: {0}")]
+    #[error("the compiled model is not valid: {}", brief(.0))]
     Model(String),
     /// A text that is not a model, or that uses an unsupported part of MJCF.
-    #[error("line {line}: <{element}>{}: {reason}", attribute.as_ref().map_or_else(String::new, |name| format!(" attribute {name:?}")))]
+    #[error(
+        "line {line}: <{}>{}: {}",
+        shortened(element),
+        attribute.as_ref().map_or_else(String::new, |name| format!(" attribute {:?}", shortened(name))),
+        brief(reason)
+    )]
     Mjcf {
         /// The line of the text, from 1.
         line: u32,
@@ -23,7 +30,7 @@ pub enum Error {
         reason: String,
     },
     /// A file that cannot be read.
-    #[error("{path}: {reason}")]
+    #[error("{}: {}", brief(path), brief(reason))]
     File {
         /// The file.
         path: String,
@@ -31,7 +38,7 @@ pub enum Error {
         reason: String,
     },
     /// The data of another model.
-    #[error("the data does not fit the model: {0}")]
+    #[error("the data does not fit the model: {}", brief(.0))]
     Data(String),
 }
 

@@ -349,3 +349,30 @@ fn what_is_not_a_regular_file_is_refused() {
     }
     std::fs::remove_dir_all(&folder).unwrap();
 }
+
+/// A message shows the start of a long name, and an exponent in place of 308 digits.
+#[test]
+fn messages_are_short() {
+    let long = "x".repeat(100_000);
+    let inertia = r#"<inertial pos="0 0 0" mass="1" diaginertia="1e300 1 1"/>"#;
+    for text in [
+        format!("<{long}/>"),
+        format!("<mujoco></{long}>"),
+        format!("<mujoco><worldbody><{long}/></worldbody></mujoco>"),
+        format!("<mujoco><worldbody><geom {long}=\"1\" size=\"1\"/></worldbody></mujoco>"),
+        format!("<mujoco><include file=\"{long}\"/></mujoco>"),
+        format!("<mujoco><worldbody><body>{inertia}</body></worldbody></mujoco>"),
+    ] {
+        let error = Model::from_xml(&text).unwrap_err().to_string();
+        assert!(
+            error.len() < 700 && error.starts_with("line 1: <"),
+            "{error}"
+        );
+    }
+    let body =
+        "<mujoco><worldbody><body><freejoint/><geom size=\"1\"/></body></worldbody></mujoco>";
+    let mut model = Model::from_xml(body).unwrap();
+    let error = model.change(|m| m.body_mass[1] = -1e308).unwrap_err();
+    let error = error.to_string();
+    assert!(error.contains("-1e308") && error.len() < 150, "{error}");
+}

@@ -88,8 +88,17 @@ impl Config {
         let invalid =
             |reason: String| Err(Error::argument(format!("Atari ({})", self.game), reason));
         let Some(game) = games::by_name(&self.game) else {
-            let names: Vec<_> = games::GAMES.iter().map(|game| game.name).collect();
-            return invalid(format!("unknown game: the games are {}", names.join(", ")));
+            let first = self.game.chars().next().map(|c| c.to_ascii_lowercase());
+            let names = games::GAMES.iter().map(|game| game.name);
+            let alike: Vec<_> = names.filter(|name| name.chars().next() == first).collect();
+            return invalid(if alike.is_empty() {
+                "unknown game: games have the names of their ROMs, such as breakout".into()
+            } else {
+                format!(
+                    "unknown game: those that begin alike are {}",
+                    alike.join(", ")
+                )
+            });
         };
         match self.frameskip {
             Frameskip::Range([low, _]) if low <= 0 => {

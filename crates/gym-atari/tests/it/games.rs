@@ -25,6 +25,25 @@ fn games_are_known_by_ale_pys_md5() {
     assert_eq!(crc32fast::hash(text.as_bytes()), 0xf3d5_e5d8, "{text}");
 }
 
+/// The message does not list every game.
+#[test]
+fn an_unknown_game_is_told_those_that_begin_alike() {
+    for (name, words) in [
+        ("brekout", "breakout"),
+        ("Brekout", "breakout"),
+        ("7up", "the names of their ROMs"),
+        ("", "the names of their ROMs"),
+    ] {
+        let env = gym_core::builder("ALE/Pong-v5").arg("game", name).build();
+        let error = env.expect_err("no game").to_string();
+        assert!(
+            error.contains("unknown game") && error.contains(words),
+            "{error}"
+        );
+        assert!(error.len() < 300 && !error.contains("pong"), "{error}");
+    }
+}
+
 /// The name of an action says where the stick points, and whether the button is pressed.
 #[test]
 fn actions_do_what_their_names_say() {

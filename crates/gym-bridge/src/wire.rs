@@ -16,6 +16,9 @@ const DICT: u8 = 8;
 const GRAPH: u8 = 9;
 const ONE_OF: u8 = 10;
 
+/// The most values in a frame: more than a reply of any real environment has.
+const MOST_VALUES: u32 = 10_000_000;
+
 /// Encodes a value as the bytes of a frame.
 pub fn encoded(value: &Value) -> Vec<u8> {
     let mut bytes = Vec::new();
@@ -110,6 +113,8 @@ pub(crate) struct Reader<'a, R> {
     stream: &'a mut R,
     /// The bytes of the frame that were not read yet.
     left: u64,
+    /// The values that the frame may still have: a value needs more memory than its bytes.
+    values_left: u32,
     failure: Option<io::Error>,
 }
 
@@ -119,6 +124,7 @@ impl<'a, R: BufRead> Reader<'a, R> {
         Self {
             stream,
             left: length,
+            values_left: MOST_VALUES,
             failure: None,
         }
     }
@@ -189,6 +195,7 @@ impl<'a, R: BufRead> Reader<'a, R> {
 
     fn nested(&mut self, value: &mut Value, depth: usize) -> Option<()> {
         let depth = depth.checked_sub(1)?;
+        self.values_left = self.values_left.checked_sub(1)?;
         let inner = |this: &mut Self| {
             let mut value = Value::Null;
             this.nested(&mut value, depth).map(|()| value)
@@ -213,7 +220,7 @@ impl<'a, R: BufRead> Reader<'a, R> {
                 }
             }
             (TUPLE, value) => {
-                // allocate no more memory than there are bytes
+                // allocate as values arrive
                 let items = (0..self.length()?).map(|_| inner(self));
                 *value = Value::Tuple(items.collect::<Option<_>>()?);
             }
@@ -398,5 +405,14 @@ mod tests {
         }
         let deep = [TUPLE, 1, 0, 0, 0].repeat(10_000);
         assert!(decoded(&deep).is_none(), "no stack overflows");
+        // in memory, a value of one byte takes dozens
+        let nulls = |count: u32| {
+            let mut bytes = vec![TUPLE];
+            bytes.extend(count.to_le_bytes());
+            bytes.resize(bytes.len() + count as usize, NULL);
+            bytes
+        };
+        assert!(decoded(&nulls(MOST_VALUES)).is_none(), "with its tuple");
+        assert!(decoded(&nulls(1000)).is_some());
     }
 }

@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use gym::render::{Recorder, RenderMode};
-use gym::{Kwargs, Result};
+use gym::{EnvSpec, Kwargs, Result};
 
 use crate::inputs;
 use crate::output::say;
@@ -32,10 +32,18 @@ pub(crate) struct Arguments {
 }
 
 pub(crate) fn gif(arguments: &Arguments) -> Result<()> {
-    let mut env = gym::builder(&arguments.id)
+    let spec = gym::builder(&arguments.id)
         .args(arguments.kwargs.clone())
         .render_mode(RenderMode::RgbArray)
-        .build()?;
+        .spec()?;
+    // (an episode without end is recorded too)
+    let most = u32::try_from(arguments.max_frames).unwrap_or(u32::MAX);
+    let steps = spec.max_episode_steps.unwrap_or(most).min(most);
+    let mut env = EnvSpec {
+        max_episode_steps: Some(steps),
+        ..spec
+    }
+    .make()?;
     let path = arguments.out.clone();
     let path = path.unwrap_or_else(|| format!("{}.gif", inputs::file_stem(&arguments.id)).into());
     let mut recorder = Recorder::new(&path, &env)?.max_frames(arguments.max_frames);

@@ -117,16 +117,28 @@ pub fn main_with_book(package: &str, book: &Book) -> ExitCode {
 /// The exit code that shells report for a program that Ctrl+C has ended.
 const INTERRUPTED: i32 = 130;
 
+/// Ends the program after a signal, which would leave temporary files of unfinished results.
+fn end(code: i32) -> ! {
+    let _no_new_folder = new::wait();
+    gym::render::file::remove_unfinished_and_exit(code)
+}
+
 fn start(package: &str, book: Option<&Book>) -> ExitCode {
     log::set_logger(&Stderr)
         .map(|()| log::set_max_level(log::LevelFilter::Warn))
         .ok();
-    // without this handler, Ctrl+C would leave temporary files of unfinished results
-    ctrlc::set_handler(|| {
-        let _no_new_folder = new::wait();
-        gym::render::file::remove_unfinished_and_exit(INTERRUPTED)
-    })
-    .ok();
+    ctrlc::set_handler(|| end(INTERRUPTED)).ok();
+    #[cfg(unix)]
+    {
+        use signal_hook::consts::{SIGHUP, SIGTERM};
+        use std::io::IsTerminal;
+        // `nohup`, which lets a program outlive its terminal, takes the terminal away
+        let hang_up = std::io::stderr().is_terminal().then_some(SIGHUP);
+        let signals = [SIGTERM].into_iter().chain(hang_up);
+        if let Ok(mut signals) = signal_hook::iterator::Signals::new(signals) {
+            std::thread::spawn(move || signals.forever().next().map(|signal| end(128 + signal)));
+        }
+    }
     // with a handler, a file larger than `ulimit -f` is an error of `write`; without one, the system
     // ends the program
     #[cfg(unix)]

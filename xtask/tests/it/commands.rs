@@ -507,3 +507,14 @@ fn arguments_of_an_environment_are_taken_as_they_stand_or_refused() {
     let error = fails(&["play", "Taxi-v4", "--terminal", "--key=A=0", "--key=a=1"]);
     assert!(error.contains("`a` has two actions"), "{error}");
 }
+
+/// A level of a billion steps, which random actions do not solve.
+#[test]
+fn a_recording_ends_where_the_episode_does_not() {
+    let gif = folder("endless").join("level.gif");
+    let path = gif.to_str().unwrap();
+    let kwargs = r#"{"max_steps": 1000000000}"#;
+    let options = ["--kwargs", kwargs, "--max-frames", "3", "--out", path];
+    let said = prints(&[&["gif", "BabyAI-BossLevel-v0"], &options[..]].concat());
+    assert!(said.ends_with(": 3 frames\n"), "{said}");
+}

@@ -505,7 +505,7 @@ fn a_plot_has_the_format_of_its_name() {
     }
 }
 
-/// Ctrl+C in the middle of a recording leaves no part of a file.
+/// Ctrl+C or `kill` in the middle of a recording leaves no part of a file.
 #[cfg(unix)]
 #[test]
 fn an_interrupted_command_leaves_no_partial_file() {
@@ -523,7 +523,11 @@ fn an_interrupted_command_leaves_no_partial_file() {
         gif.to_str().unwrap(),
     ];
     // the demo has its first page, or the GIF is being written
-    for (arguments, begun) in [(&demo[..], "index.html"), (&frames, ".gym-partial")] {
+    for (arguments, begun, signal, code) in [
+        (&demo[..], "index.html", "-INT", 130),
+        (&frames, ".gym-partial", "-INT", 130),
+        (&frames, ".gym-partial", "-TERM", 143),
+    ] {
         let mut child = program()
             .args(arguments)
             .stdout(Stdio::null())
@@ -551,7 +555,7 @@ fn an_interrupted_command_leaves_no_partial_file() {
         let pid = child.id().to_string();
         assert!(
             Command::new("kill")
-                .args(["-INT", &pid])
+                .args([signal, &pid])
                 .status()
                 .unwrap()
                 .success()
@@ -562,7 +566,7 @@ fn an_interrupted_command_leaves_no_partial_file() {
             std::thread::sleep(Duration::from_millis(10));
         }
         child.kill().ok();
-        assert_eq!(child.wait().unwrap().code(), Some(130));
+        assert_eq!(child.wait().unwrap().code(), Some(code));
         assert!(!names().iter().any(is_partial), "{:?}", names());
     }
     let page = std::fs::read_to_string(out.join("index.html")).unwrap();

@@ -277,7 +277,9 @@ impl<'d, 'a> Rooms<'d, 'a> {
                 return Ok(());
             }
         }
-        Err(GenerationError::Rejected("the agent faces an object everywhere"))
+        Err(GenerationError::Rejected(
+            "the agent faces an object everywhere",
+        ))
     }
 
     /// Adds doors until every room can be reached.

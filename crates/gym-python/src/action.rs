@@ -88,9 +88,10 @@ fn mismatch(space: &Space, action: &Bound<'_, PyAny>) -> Option<PyErr> {
 
 fn refused(space: &Space, action: &Bound<'_, PyAny>, error: &PyErr) -> PyErr {
     let py = action.py();
-    let shown = action
-        .repr()
-        .map_or_else(|_| "?".to_owned(), |text| text.to_string());
+    let brief = py
+        .import("rustgym._json")
+        .and_then(|module| module.getattr("brief")?.call1((action,)));
+    let shown = brief.map_or_else(|_| "?".to_owned(), |text| text.to_string());
     let reason = error.value(py);
     let text = format!("invalid action {shown}: the action space is {space} ({reason})");
     gymnasium(py, "InvalidAction", text)

@@ -60,7 +60,10 @@ fn text(error: &Error) -> String {
             .split(" (linked crates")
             .next()
             .unwrap_or_default()
-            .to_owned(),
+            .replace(
+                "`reset_into` with a mask",
+                "`reset` with the option `reset_mask`",
+            ),
     }
 }
 

@@ -60,3 +60,12 @@ def test_mujocos_own_objects_follow(env_id, monkeypatch, tmp_path):
     env.model.body_mass[1] *= 2.0
     with pytest.raises(gymnasium.error.Error, match="cannot take over"):
         env.step(env.action_space.sample())
+
+
+@pytest.mark.parametrize("env_id", ["dm_control/lqr-lqr_2_1-v0", *TASKS])
+def test_a_vector_takes_a_limit_of_steps(env_id):
+    # (the tasks of lqr have no limit of their own)
+    envs = rustgym.VectorEnv(env_id, 2, max_episode_steps=3)
+    envs.reset(seed=1)
+    ends = [envs.step(np.zeros(envs.action_space.shape))[3].all() for _ in range(3)]
+    assert ends == [False, False, True]

@@ -189,9 +189,23 @@ class Mirror:
         arrays = {name: _text(array) for name, array in self._computed().items()}
         return {"model": _text(model), "state": _text(self._state), "arrays": arrays}
 
+    def restored(self, parts: Any) -> Mirror:
+        """Another one from the result of ``store`` of one with a model of this model's sizes.
+
+        Raises:
+            ValueError: for anything else.
+        """
+        try:
+            mirror = self._stored(parts, self.contact_forces)
+        except Exception as error:
+            raise ValueError("cannot restore this snapshot: what it has of MuJoCo's package is damaged") from error
+        sizes = ("nq", "nv", "na", "nu", "nbody", "ngeom")
+        if any(getattr(mirror.model, size) != getattr(self.model, size) for size in sizes):
+            raise ValueError("cannot restore this snapshot: it was taken from an environment with another model")
+        return mirror
+
     @classmethod
-    def stored(cls, parts: dict[str, Any], contact_forces: bool) -> Mirror:
-        """Restores the result of ``store``."""
+    def _stored(cls, parts: dict[str, Any], contact_forces: bool) -> Mirror:
         mujoco = _library()
         model = mujoco.MjModel.from_binary_path("model.mjb", {"model.mjb": base64.b64decode(parts["model"])})
         mirror = cls(model, contact_forces)

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from rustgym._json import to_json
+from rustgym._json import brief, to_json
 from rustgym._specs import spec_of
 
 
@@ -22,7 +22,7 @@ def preprocessed(
     if spec_of(env_id)["crate"] != "gym-atari":
         raise TypeError(f"preprocessing needs an Atari game, and {env_id} is not one")
     if not isinstance(preprocessing, bool | Mapping):
-        raise TypeError(f"preprocessing must be True or a dict of settings, not {preprocessing!r}")
+        raise TypeError(f"preprocessing must be True or a dict of settings, not {brief(preprocessing)}")
     settings: dict[str, Any] = {"noop_max": 30, "frame_skip": 4, "screen_size": 84, "terminal_on_life_loss": False}
     settings |= {"clip_reward": False, "frame_stack": 4}
     for name, value in {} if isinstance(preprocessing, bool) else preprocessing.items():
@@ -31,7 +31,7 @@ def preprocessed(
         settings[name] = value
     clip, stack, size = settings.pop("clip_reward"), settings.pop("frame_stack"), settings["screen_size"]
     if not isinstance(clip, bool | np.bool_):
-        raise TypeError(f"clip_reward is {clip!r}: it must be True or False")
+        raise TypeError(f"clip_reward is {brief(clip)}: it must be True or False")
     # in Rust the height comes first
     settings["screen_size"] = [size, size] if np.ndim(size) == 0 else list(size)[::-1]
     wrappers = [("AtariPreprocessing", settings)]

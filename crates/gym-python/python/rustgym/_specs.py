@@ -15,7 +15,7 @@ from gymnasium.envs.registration import EnvSpec, load_env_creator
 from gymnasium.envs.registration import registry as gymnasium_registry
 
 from rustgym import _native as native
-from rustgym._json import to_json
+from rustgym._json import brief, to_json
 
 SPECS: dict[str, dict[str, Any]] = {spec["id"]: spec for spec in json.loads(native.specs())}
 
@@ -47,7 +47,7 @@ for _env_id, _spec in SPECS.items():
 def spec_of(env_id: str) -> dict[str, Any]:
     """The Rust registry's data about an id."""
     if not isinstance(env_id, str):
-        raise TypeError(f"an id is a text such as \"CartPole-v1\", not {env_id!r} of type {type(env_id).__name__}")
+        raise TypeError(f"an id is a text such as \"CartPole-v1\", not {brief(env_id)} of type {type(env_id).__name__}")
     try:
         return SPECS[env_id]
     except KeyError:
@@ -121,7 +121,7 @@ def native_options(env_id: str, options: Any) -> str | None:
     if options is None:
         return None
     if not isinstance(options, Mapping):
-        raise TypeError(f"options must be a dict or None, not {options!r} of type {type(options).__name__}")
+        raise TypeError(f"options must be a dict or None, not {brief(options)} of type {type(options).__name__}")
     known = spec_of(env_id)["reset_options"]
     return to_json({name: value for name, value in options.items() if name in known}) if options else None
 

@@ -45,7 +45,7 @@ class TimeSteps:
         self._limit = -1
         if max_episode_steps is not None and max_episode_steps >= 0:
             env = class_of(env_id)(**kwargs)
-            if max_episode_steps < round((env.arguments["time_limit"] or np.inf) / env.dt):
+            if max_episode_steps < np.round((env.arguments["time_limit"] or np.inf) / env.dt):
                 self._limit = max_episode_steps
 
     def reset(self, envs: VectorEnv, infos: dict[str, Any], mask: list[bool] | None) -> None:

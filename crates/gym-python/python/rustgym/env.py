@@ -13,7 +13,7 @@ import numpy as np
 from gymnasium import logger
 
 from rustgym import _native as native
-from rustgym._json import to_json
+from rustgym._json import brief, state_json, to_json
 from rustgym._live import Live, same
 from rustgym._generators import generator_from, words_of
 from rustgym._opened import opened_class, order, repeater
@@ -350,7 +350,7 @@ class Env(gymnasium.Env[Any, Any], metaclass=_Kind):
             ValueError: for the state of something else; the environment is then as it was.
         """
         if not isinstance(state, str):
-            raise TypeError(f"a state must be a text returned by get_state, not {state!r} of type {type(state).__name__}")
+            raise TypeError(f"a state must be a text returned by get_state, not {brief(state)} of type {type(state).__name__}")
         self._native.restore(state, True)
         self._follow(is_reset=True)
 
@@ -360,9 +360,18 @@ class Env(gymnasium.Env[Any, Any], metaclass=_Kind):
         native = self._make_native(native_arguments(self.env_id, given))
         state = self._take_apart()[0]
         state["config"] = json.loads(native.snapshot())["config"]
-        native.restore(json.dumps(state), self._native.is_running())
+        native.restore(state_json(state), self._native.is_running())
         self._native = native
         self._watch()
+
+    def _go_on_from(self, whole: Any) -> None:
+        """Continues from a snapshot of this environment of which a part was set."""
+        state = state_json(whole)
+        try:
+            self._native.restore(state, self._native.is_running())
+        except ValueError as error:
+            wrong = "a number is too large, or does not fit the others"
+            raise ValueError(f"{self.env_id} cannot go on from what was set: {wrong}") from error
 
     def _was_reset(self) -> bool:
         return self._native is not None and self._native.generator() is not None
@@ -469,6 +478,8 @@ class Env(gymnasium.Env[Any, Any], metaclass=_Kind):
     if not TYPE_CHECKING:  # type checkers would accept misspelt names because of it
 
         def __getattr__(self, name: str) -> Any:
+            if name == "env_id":  # it was deleted, and what follows reads it
+                raise AttributeError(f"this {type(self).__name__} has lost its env_id: make it anew")
             found = next((vars(base)[name] for base in type(self).__mro__ if name in vars(base)), None)
             if hasattr(type(found), "__get__"):  # a property raised AttributeError: called again, it raises its own message
                 return found.__get__(self, type(self))
@@ -483,15 +494,15 @@ class Env(gymnasium.Env[Any, Any], metaclass=_Kind):
     def __setattr__(self, name: str, value: Any) -> None:
         if "arguments" not in self.__dict__:
             object.__setattr__(self, name, value)
-        elif name in self._constants:
+        elif name in self._constants or name == "env_id":
             current = getattr(self, name, value)
             if same(value, current) or (np.ndim(value) == 0 and value == current):
                 return
             if self._opens(name):
                 setattr(self, name, value)
                 return
-            remedy = f": make another environment with {name}={value!r}" if name in self.arguments else ""
-            raise AttributeError(f"{name} of {self.env_id} is {current!r} and cannot be set{remedy}")
+            remedy = f": make another environment with {name}={brief(value)}" if name in self.arguments else ""
+            raise AttributeError(f"{name} of {self.env_id} is {brief(current)} and cannot be set{remedy}")
         elif self._is_read_elsewhere(name, value):
             setattr(self, name, value)
         else:
@@ -542,7 +553,7 @@ def checked_seed(seed: Any, name: str = "Seed") -> int:
     try:
         return operator.index(seed)
     except TypeError:
-        message = f"{name} must be a whole number, zero or greater, not {seed!r} of type {type(seed).__name__}"
+        message = f"{name} must be a whole number, zero or greater, not {brief(seed)} of type {type(seed).__name__}"
         raise gymnasium.error.Error(message) from None
 
 

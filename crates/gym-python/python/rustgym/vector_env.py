@@ -15,7 +15,7 @@ from gymnasium.vector import AutoresetMode
 from gymnasium.vector.utils import batch_space
 
 from rustgym import _native
-from rustgym._json import to_json
+from rustgym._json import brief, to_json
 from rustgym._preprocessing import preprocessed
 from rustgym._seeds import Seeds
 from rustgym._spaces import space_from
@@ -30,18 +30,18 @@ def _whole(name: str, number: Any, least: int) -> int:
     try:
         whole = operator.index(number)
     except TypeError:
-        raise TypeError(f"{name} is {number!r}: it must be a whole number") from None
+        raise TypeError(f"{name} is {brief(number)}: it must be a whole number") from None
     if whole < least:
-        raise ValueError(f"{name} is {whole}: it must be at least {least}")
+        raise ValueError(f"{name} is {brief(whole)}: it must be at least {least}")
     if whole >= 1 << 63:
-        raise ValueError(f"{name} is {whole}: that is too many")
+        raise ValueError(f"{name} is {brief(whole)}: that is too many")
     return whole
 
 
 def _text(name: str, text: Any) -> str | None:
     """``text``, after a check that it is a text or ``None``."""
     if text is not None and not isinstance(text, str):
-        raise TypeError(f"{name} is {text!r}: it must be a text or None")
+        raise TypeError(f"{name} is {brief(text)}: it must be a text or None")
     return text
 
 
@@ -136,8 +136,11 @@ class VectorEnv(gymnasium.vector.VectorEnv[Any, Any, Any]):
             affinity = _whole("affinity", affinity, 0)
         if max_episode_steps is not None:
             max_episode_steps = _whole("max_episode_steps", max_episode_steps, -1)
-        if not isinstance(copy, bool | np.bool_):
-            raise TypeError(f"copy is {copy!r}: it must be True or False")
+        for name, flag in (("copy", copy), ("gray", gray)):
+            if not isinstance(flag, bool | np.bool_):
+                raise TypeError(f"{name} is {brief(flag)}: it must be True or False")
+        if seeds is not None and not isinstance(seeds, Iterable):
+            raise TypeError(f"seeds is {brief(seeds)}: it must be a list or an iterator of whole numbers")
         kind, render_mode = _text("kind", kind), _text("render_mode", render_mode)
         for name in kwargs:
             if name not in defaults:
@@ -147,13 +150,13 @@ class VectorEnv(gymnasium.vector.VectorEnv[Any, Any, Any]):
                 )
         each = {}
         if not isinstance(arg_each or {}, Mapping):
-            raise TypeError(f"arg_each must be a dict of arguments, not {arg_each!r}")
+            raise TypeError(f"arg_each must be a dict of arguments, not {brief(arg_each)}")
         for name, values in (arg_each or {}).items():
             if name not in defaults:
                 raise TypeError(f"arg_each has the key {name!r}, which is not an argument of {env_id}")
             if isinstance(values, str) or not isinstance(values, Iterable):
                 raise TypeError(
-                    f"arg_each has {values!r} for {name}: it takes a list with a value for each environment, or a pair (low, high)"
+                    f"arg_each has {brief(values)} for {name}: it takes a list with a value for each environment, or a pair (low, high)"
                 )
             is_range = isinstance(values, tuple) and len(values) == 2
             each[name] = {"low": values[0], "high": values[1]} if is_range else list(values)
@@ -168,13 +171,20 @@ class VectorEnv(gymnasium.vector.VectorEnv[Any, Any, Any]):
                 raise ValueError(f"observations of pixels need render_mode=\"rgb_array\", not {render_mode!r}")
             render_mode, self._wrappers = "rgb_array", _pixels(gray, _whole("frame_stack", frame_stack, 0))
         if render_size is not None:
-            width, height = render_size
+            try:
+                width, height = render_size
+            except (TypeError, ValueError):
+                raise TypeError(f"render_size is {brief(render_size)}: it must be a pair of whole numbers, (width, height)") from None
             render_size = _whole("render_size", width, 1), _whole("render_size", height, 1)
         self.env_id = env_id
         self._given = kwargs
         self.num_envs = num_envs
         self.render_mode = render_mode
-        self.autoreset_mode = AutoresetMode(autoreset_mode)
+        try:
+            self.autoreset_mode = AutoresetMode(autoreset_mode)
+        except (ValueError, RecursionError):
+            modes = ", ".join(mode.value for mode in AutoresetMode)
+            raise ValueError(f"autoreset_mode is {brief(autoreset_mode)}: it must be one of {modes}") from None
         self._native = _native.Vector(
             env_id,
             num_envs,

@@ -16,6 +16,7 @@ import numpy.typing as npt
 from rustgym._bodies import Body, Car, Joint, Leg, World
 from rustgym._class_env import TunableEnv
 from rustgym._errors import ResetNeeded
+from rustgym._json import brief
 from rustgym._live import Live, same
 from rustgym._modules import forwarder
 from rustgym._pictures import IsOpen, OfPicture, ReadOnlyList, absent
@@ -52,7 +53,7 @@ class Box2DEnv(TunableEnv):
         if episode is None:
             raise AttributeError(f"{self.env_id} has no state before the first reset")
         change(episode)
-        self._native.restore(json.dumps(whole), self._native.is_running())
+        self._go_on_from(whole)
 
 
 _NOTHING: Any = object()
@@ -78,7 +79,7 @@ def _field(name: str, kind: Callable[[Any], Any], doc: str, before_reset: Any = 
         try:
             self._set(lambda episode: episode.update({name: None if value is None else kind(value)}))
         except ValueError as error:
-            raise ValueError(f"{name} of this {self.env_id} cannot be {value!r} now") from error
+            raise ValueError(f"{name} of this {self.env_id} cannot be {brief(value)} now") from error
 
     return property(get, put, doc=doc)
 

@@ -266,15 +266,26 @@ class MujocoEnv(ClassEnv):
         return json.dumps({"native": json.loads(state), "mujoco": self._touched().store()})
 
     def _set_whole_state(self, state: Any) -> None:
-        whole = json.loads(state) if isinstance(state, str) else None
+        try:
+            whole = json.loads(state) if isinstance(state, str) else None
+        except (ValueError, RecursionError):
+            whole = None  # the Rust side says what is wrong
         if not isinstance(whole, dict) or "mujoco" not in whole:
             if self._is_handed:
                 raise ValueError("the state is of an environment that MuJoCo's package does not step, and it steps this one")
             super().set_state(state)
             return
-        self._hand_over("a state of an environment that MuJoCo's package steps", warn=False)
-        self._mirror = Mirror.stored(whole["mujoco"], self._has_contact_forces)
-        super().set_state(json.dumps(whole["native"]))
+        before, was_handed = self._mirror, self._is_handed
+        try:
+            self._hand_over("a state of an environment that MuJoCo's package steps", warn=False)
+            self._mirror = self._touched().restored(whole["mujoco"])
+            super().set_state(json.dumps(whole.get("native")))
+        except ValueError:
+            self._mirror = before
+            if before is not None:
+                before.is_handed = was_handed
+            self._watch()
+            raise
         self.__dict__.pop("mujoco_renderer", None)
 
     # -- MuJoCo's objects
@@ -296,7 +307,9 @@ class MujocoEnv(ClassEnv):
             self._take_over(self._own_data.changes())
         elif self._mirror is not None:
             if self._mirror.is_handed:
-                self._write_native({name: np.array(getattr(self.data, name)) for name in ("qpos", "qvel", "qacc_warmstart")})
+                arrays = {name: np.array(getattr(self.data, name)) for name in ("qpos", "qvel", "qacc_warmstart")}
+                # (what has diverged is MuJoCo's alone: its next step starts anew)
+                self._write_native({name: array for name, array in arrays.items() if np.all(np.abs(array) <= 1e10)})
                 return
             changed, unknown = self._mirror.changes()
             if unknown is not None:
@@ -323,7 +336,7 @@ class MujocoEnv(ClassEnv):
         if data["last"] is not None and data["before"] is None:
             data["before"] = dict(data["state"])
         data["state"].update((name, value.tolist() if np.ndim(value) else value) for name, value in changed.items())
-        self._native.restore(json.dumps(whole), self._native.is_running())
+        self._go_on_from(whole)
 
     def _follow(self, is_reset: bool = False) -> None:
         super()._follow(is_reset)

@@ -2,6 +2,7 @@
 //! the original.
 
 use std::collections::BTreeMap;
+use std::ops::Range;
 
 use gym::registry;
 use gym::{BoxEnv, Env, EnvExt, Snapshot};
@@ -79,6 +80,20 @@ fn no_number_that_is_not_finite_is_restored() {
     assert!(accepted.is_empty(), "{}", accepted.join("\n"));
 }
 
+/// Where a text has numbers with a point, also in the texts that it quotes.
+fn numbers(text: &str) -> Vec<Range<usize>> {
+    let mut found = Vec::new();
+    let mut start = 0;
+    for word in text.split_inclusive(|c: char| !"0123456789.eE+-".contains(c)) {
+        let number = word.trim_end_matches(|c: char| !c.is_ascii_digit());
+        if number.contains('.') && number.parse::<f64>().is_ok() {
+            found.push(start..start + number.len());
+        }
+        start += word.len();
+    }
+    found
+}
+
 /// Steps of a world of bodies multiply masses, lengths and speeds in `f32`.
 #[test]
 fn no_number_is_restored_of_which_a_step_makes_nan() {
@@ -87,26 +102,28 @@ fn no_number_is_restored_of_which_a_step_makes_nan() {
         "BipedalWalker-v3",
         "CarRacing-v3",
         "rapier/LunarLander-v3",
+        "rapier/BipedalWalker-v3",
     ] {
         let mut env = played(id);
-        let mut stored = serde_json::to_value(env.snapshot().unwrap()).unwrap();
+        let whole = env.snapshot().unwrap();
+        env.restore(&whole).unwrap();
+        let stored = serde_json::to_string(&whole).unwrap();
         let action = env.action_space().zero().unwrap();
-        let mut places = Vec::new();
-        floats(&stored, "", &mut places);
+        let places = numbers(&stored);
         assert!(places.len() > 100, "{id}");
-        for place in places.iter().step_by(places.len().div_ceil(400)) {
-            for large in [9.2e18, 9.9e3] {
-                let part = stored.pointer_mut(place).unwrap();
-                let good = std::mem::replace(part, json!(large));
-                let damaged: Snapshot = serde_json::from_value(stored.clone()).unwrap();
-                *stored.pointer_mut(place).unwrap() = good;
+        for place in places.iter().step_by(places.len().div_ceil(150)) {
+            for large in ["9.2e18", "9.9e3", "99.0"] {
+                let mut text = stored.clone();
+                text.replace_range(place.clone(), large);
+                let damaged: Snapshot = serde_json::from_str(&text).unwrap();
                 if env.restore(&damaged).is_err() {
                     continue;
                 }
                 for _ in 0..3 {
                     let step = env.step(&action).unwrap();
                     let mut numbers = step.observation.as_array().unwrap().iter_f64();
-                    assert!(numbers.all(|x| !x.is_nan()), "{id}: {large} at {place}");
+                    let before = &stored[place.start.saturating_sub(60)..place.end];
+                    assert!(numbers.all(|x| !x.is_nan()), "{id}: {large} at {before}");
                     if step.done() {
                         break;
                     }

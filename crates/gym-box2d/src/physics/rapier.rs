@@ -516,8 +516,8 @@ impl Rapier {
     pub(super) fn is_valid(&self) -> bool {
         let bodies = |id: u32| self.sets.bodies.get(*self.bodies.get(id as usize)?);
         let joints = |id: u32| self.sets.joints.get(*self.joints.get(id as usize)?);
-        // what rapier sets itself is larger
-        let own = [MOTOR_DAMPING, f32::MAX].map(f64::from);
+        // constants of rapier are larger; the first is the frequency of a joint
+        let own = [1e6, MOTOR_DAMPING, f32::MAX].map(f64::from);
         every_float(&*self.sets, |x| {
             x.abs() <= LARGEST || own.contains(&x.abs())
         }) && self.scene.is_valid()

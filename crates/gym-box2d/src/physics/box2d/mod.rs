@@ -211,19 +211,24 @@ impl Box2d {
         id
     }
 
+    /// A dynamic body with the mass of its fixtures.
+    fn weighed(&self, body: u32) -> Body {
+        let mut body = self.bodies[body].clone();
+        let newest_first = std::iter::successors(body.fixtures, |id| self.fixtures[*id].next);
+        let massive = newest_first
+            .map(|id| &self.fixtures[id])
+            .filter(|fixture| fixture.density != 0.0);
+        body.reset_mass(massive.map(|fixture| fixture.shape.mass(fixture.density)));
+        body
+    }
+
     pub(crate) fn create_fixture(&mut self, body: u32, def: &FixtureDef) -> u32 {
         let id = self.add_fixture(body, def, 0);
         let owner = &self.bodies[body];
         let (aabb, dynamic) = (self.fixtures[id].shape.aabb(&owner.xf), owner.dynamic);
         self.fixtures[id].proxy = self.broad_phase.insert(&aabb, id, dynamic);
         if def.density > 0.0 && dynamic {
-            let fixtures = &self.fixtures;
-            let newest_first = std::iter::successors(Some(id), |id| fixtures[*id].next);
-            let massive = newest_first
-                .map(|id| &fixtures[id])
-                .filter(|fixture| fixture.density != 0.0);
-            self.bodies[body]
-                .reset_mass(massive.map(|fixture| fixture.shape.mass(fixture.density)));
+            self.bodies[body] = self.weighed(body);
         }
         self.new_fixture = true;
         id

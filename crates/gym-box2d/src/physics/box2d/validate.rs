@@ -1,7 +1,10 @@
 //! Checks that a deserialized world can be stepped without a panic.
 
-use super::math::Vec2;
-use super::{Box2d, arena::Arena, body::Fixture, contact::Contact};
+use super::math::{Vec2, length};
+use super::{Box2d, arena::Arena, body::Body, body::Fixture, contact::Contact};
+
+/// The largest distance of an anchor of a joint from its body, in m.
+const FARTHEST: f32 = 100.0;
 
 fn has<T>(arena: &Arena<T>, slots: &[u32]) -> bool {
     slots.iter().all(|slot| arena.get(*slot).is_some())
@@ -29,7 +32,7 @@ impl Box2d {
             && !self.fixtures.iter().any(same)
     }
 
-    /// Whether every reference is valid.
+    /// Whether every reference is valid, and every body has the mass of its fixtures.
     pub(in crate::physics) fn is_valid(&self) -> bool {
         let bodies = self.bodies.iter().all(|(id, body)| {
             has(&self.fixtures, body.fixtures.as_slice())
@@ -51,7 +54,11 @@ impl Box2d {
                 && fixture.shape.is_valid()
         });
         let joints = self.joints.iter().all(|(id, joint)| {
-            has(&self.bodies, &[joint.body_a, joint.body_b]) && self.joint_order.contains(&id)
+            let near = |anchor: Vec2| length(anchor) <= FARTHEST;
+            near(joint.local_anchor_a)
+                && near(joint.local_anchor_b)
+                && has(&self.bodies, &[joint.body_a, joint.body_b])
+                && self.joint_order.contains(&id)
         });
         let contacts = self.contacts.iter().all(|contact| {
             has(&self.fixtures, &[contact.fixture_a, contact.fixture_b])
@@ -68,6 +75,18 @@ impl Box2d {
             && contacts
             && has(&self.bodies, &self.dynamic)
             && has(&self.joints, &self.joint_order)
+            && self.dynamic.iter().all(|id| {
+                let masses = |body: &Body| {
+                    let Body {
+                        inv_mass,
+                        inv_inertia,
+                        sweep,
+                        ..
+                    } = body;
+                    (*inv_mass, *inv_inertia, sweep.local_center)
+                };
+                masses(&self.bodies[*id]) == masses(&self.weighed(*id))
+            })
             && self.broad_phase.is_valid(|fixture, id| {
                 self.fixtures
                     .get(fixture)

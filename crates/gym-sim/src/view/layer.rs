@@ -60,11 +60,11 @@ impl Layer {
     }
 
     /// A layer that has depths only.
-    pub(super) fn of_depths(size: [usize; 2], focal: [f64; 2]) -> Self {
+    pub(super) fn of_depths(size: [usize; 2], per_pixel: usize, focal: [f64; 2]) -> Self {
         let colors = Vec::new();
         Self {
             colors,
-            ..Self::new(size, 1, focal)
+            ..Self::new(size, per_pixel, focal)
         }
     }
 
@@ -151,83 +151,49 @@ impl Layer {
         shares: [[f32; 3]; 3],
         paint: &mut impl FnMut([f32; 3]) -> Paint,
     ) {
-        let [columns, rows] = self.size;
-        let [Some(a), Some(b), Some(c)] = corners.map(|corner| corner.at) else {
+        let Some(covered) = Covered::new(corners, self.size) else {
             return;
         };
-        let [a, b, c] = [a, b, c].map(|at| at.map(i64::from));
-        // y points down: the sign of the area is turned
-        let area = (b[1] - a[1]) * (c[0] - a[0]) - (b[0] - a[0]) * (c[1] - a[1]);
-        if area <= 0 {
-            return;
-        }
-        // the samples whose middles are within the bounds
-        let (parts, half) = (PARTS as i64, PARTS as i64 / 2);
-        let range = |k: usize, length: usize| {
-            let least = a[k].min(b[k]).min(c[k]);
-            let greatest = a[k].max(b[k]).max(c[k]);
-            // (rounded up, and down)
-            let first = (least - half + parts - 1) >> PARTS_LOG2;
-            let last = (greatest - half) >> PARTS_LOG2;
-            (first.max(0), last.min(length as i64 - 1))
-        };
-        let (left, right) = range(0, columns);
-        let (top, bottom) = range(1, rows);
-        if left > right || top > bottom {
-            return;
-        }
-        // for each corner, the doubled area of the triangle of a sample and the opposite side
-        let middle = [left * parts + half, top * parts + half];
-        let side = |from: [i64; 2], to: [i64; 2]| {
-            let along = [to[0] - from[0], to[1] - from[1]];
-            // a sample on a side belongs to the triangle on one side of it
-            let own = along[1] > 0 || along[1] == 0 && along[0] < 0;
-            let start = along[1] * (middle[0] - from[0]) - along[0] * (middle[1] - from[1]);
-            (
-                start - i64::from(!own),
-                [along[1] * parts, -along[0] * parts],
-            )
-        };
-        let sides = [side(b, c), side(c, a), side(a, b)];
         let inverse = corners.map(|corner| corner.nearness);
-        let scale = 1.0 / area as f32;
-        let mut starts = sides.map(|(start, _)| start);
-        for y in top..=bottom {
-            let mut inside = starts;
-            for x in left..=right {
-                if inside[0] >= 0 && inside[1] >= 0 && inside[2] >= 0 {
-                    let parts = [0, 1, 2].map(|k| inside[k] as f32 * scale * inverse[k]);
-                    let nearness = parts[0] + parts[1] + parts[2];
-                    let index = y as usize * columns + x as usize;
-                    if nearness > self.nearness[index] {
-                        self.nearness[index] = nearness;
-                        if let Some(color) = self.colors.get_mut(index) {
-                            let parts = parts.map(|part| part / nearness);
-                            let share = [0, 1, 2].map(|k| {
-                                parts[0] * shares[0][k]
-                                    + parts[1] * shares[1][k]
-                                    + parts[2] * shares[2][k]
-                            });
-                            let [r, g, b, a] = paint(share);
-                            let new = [r * a, g * a, b * a, a];
-                            *color = [0, 1, 2, 3].map(|k| new[k] + color[k] * (1.0 - a));
-                        }
-                    }
-                }
-                for (inside, (_, step)) in inside.iter_mut().zip(&sides) {
-                    *inside += step[0];
+        let scale = 1.0 / covered.area as f32;
+        covered.each(self.size[0], |index, areas| {
+            let parts = [0, 1, 2].map(|k| areas[k] as f32 * scale * inverse[k]);
+            let nearness = parts[0] + parts[1] + parts[2];
+            if nearness > self.nearness[index] {
+                self.nearness[index] = nearness;
+                if let Some(color) = self.colors.get_mut(index) {
+                    let parts = parts.map(|part| part / nearness);
+                    let share = [0, 1, 2].map(|k| {
+                        parts[0] * shares[0][k] + parts[1] * shares[1][k] + parts[2] * shares[2][k]
+                    });
+                    let [r, g, b, a] = paint(share);
+                    let new = [r * a, g * a, b * a, a];
+                    *color = [0, 1, 2, 3].map(|k| new[k] + color[k] * (1.0 - a));
                 }
             }
-            for (start, (_, step)) in starts.iter_mut().zip(&sides) {
-                *start += step[1];
-            }
-        }
+        });
     }
 
     /// The distances ahead, row by row from the top; `far` for samples without a surface.
     pub(super) fn depths(&self, far: f32) -> impl Iterator<Item = f32> {
         let depth = move |x: &f32| if *x > 0.0 { 1.0 / x } else { far };
         self.nearness.iter().map(depth)
+    }
+
+    /// How much of each pixel surfaces cover, from 0 to 255.
+    pub(super) fn cover(&self) -> impl Iterator<Item = u8> {
+        let (columns, n) = (self.size[0], self.per_pixel);
+        let mut covered = vec![0_u16; self.nearness.len() / (n * n)];
+        for (y, row) in self.nearness.chunks_exact(columns).enumerate() {
+            let pixels = &mut covered[y / n * (columns / n)..];
+            for (pixel, samples) in pixels.iter_mut().zip(row.chunks_exact(n)) {
+                *pixel += samples.iter().filter(|x| **x > 0.0).count() as u16;
+            }
+        }
+        let all = (n * n) as f32;
+        covered
+            .into_iter()
+            .map(move |count| byte(f32::from(count) / all))
     }
 
     /// The pixels: the means of their samples.
@@ -245,7 +211,6 @@ impl Layer {
                     }
                 }
                 let [r, g, b, a] = sum;
-                let byte = |x: f32| (x.clamp(0.0, 1.0) * 255.0 + 0.5) as u8;
                 let color = |x: f32| if a > 0.0 { byte(x / a) } else { 0 };
                 pixels.push(Color {
                     r: color(r),
@@ -261,6 +226,109 @@ impl Layer {
     /// The number of pixels of a row.
     pub(super) fn width(&self) -> usize {
         self.size[0] / self.per_pixel
+    }
+}
+
+/// A share as a byte.
+fn byte(share: f32) -> u8 {
+    (share.clamp(0.0, 1.0) * 255.0 + 0.5) as u8
+}
+
+/// The samples whose middles a triangle covers.
+struct Covered {
+    /// The doubled area of the triangle, in parts of a sample.
+    area: i64,
+    /// The first and the last column and row of its bounds.
+    columns: [i64; 2],
+    rows: [i64; 2],
+    /// For each corner, the doubled area of the triangle of a sample and the opposite side: for the
+    /// first sample of the bounds, and how much more it is one column and one row further. A sample
+    /// outside of a side has a negative area.
+    sides: [(i64, [i64; 2]); 3],
+}
+
+impl Covered {
+    /// `None` for a triangle that is seen from behind, is too far aside, or covers no sample of
+    /// `size`.
+    #[inline]
+    fn new(corners: [Corner; 3], size: [usize; 2]) -> Option<Self> {
+        let [Some(a), Some(b), Some(c)] = corners.map(|corner| corner.at) else {
+            return None;
+        };
+        let [a, b, c] = [a, b, c].map(|at| at.map(i64::from));
+        // y points down: the sign of the area is turned
+        let area = (b[1] - a[1]) * (c[0] - a[0]) - (b[0] - a[0]) * (c[1] - a[1]);
+        if area <= 0 {
+            return None;
+        }
+        // the samples whose middles are within the bounds
+        let (parts, half) = (PARTS as i64, PARTS as i64 / 2);
+        let range = |k: usize| {
+            let least = a[k].min(b[k]).min(c[k]);
+            let greatest = a[k].max(b[k]).max(c[k]);
+            // (rounded up, and down)
+            let first = (least - half + parts - 1) >> PARTS_LOG2;
+            let last = (greatest - half) >> PARTS_LOG2;
+            [first.max(0), last.min(size[k] as i64 - 1)]
+        };
+        let (columns, rows) = (range(0), range(1));
+        if columns[0] > columns[1] || rows[0] > rows[1] {
+            return None;
+        }
+        let middle = [columns[0] * parts + half, rows[0] * parts + half];
+        let side = |from: [i64; 2], to: [i64; 2]| {
+            let along = [to[0] - from[0], to[1] - from[1]];
+            // a sample on a side belongs to the triangle on one side of it
+            let own = along[1] > 0 || along[1] == 0 && along[0] < 0;
+            let start = along[1] * (middle[0] - from[0]) - along[0] * (middle[1] - from[1]);
+            (
+                start - i64::from(!own),
+                [along[1] * parts, -along[0] * parts],
+            )
+        };
+        let sides = [side(b, c), side(c, a), side(a, b)];
+        Some(Self {
+            area,
+            columns,
+            rows,
+            sides,
+        })
+    }
+
+    /// Calls `visit` with the index of each sample, in rows of `width`, and its areas.
+    #[inline]
+    fn each(&self, width: usize, mut visit: impl FnMut(usize, [i64; 3])) {
+        /// In bounds wider than this the columns are computed, and otherwise tried.
+        const NARROW: i64 = 12;
+        let [left, right] = self.columns;
+        let mut starts = self.sides.map(|(start, _)| start);
+        for y in self.rows[0]..=self.rows[1] {
+            let row = y as usize * width + left as usize;
+            let (mut first, mut last) = (0, right - left);
+            if last > NARROW {
+                for (start, (_, [step, _])) in starts.iter().zip(self.sides) {
+                    if step > 0 && *start < 0 {
+                        first = first.max((step - 1 - start) / step);
+                    } else if *start < 0 {
+                        last = -1;
+                    } else if step < 0 {
+                        last = last.min(start / -step);
+                    }
+                }
+            }
+            let mut areas = [0, 1, 2].map(|k| starts[k] + self.sides[k].1[0] * first);
+            for column in first..=last {
+                if areas[0] >= 0 && areas[1] >= 0 && areas[2] >= 0 {
+                    visit(row + column as usize, areas);
+                }
+                for (area, (_, step)) in areas.iter_mut().zip(&self.sides) {
+                    *area += step[0];
+                }
+            }
+            for (start, (_, step)) in starts.iter_mut().zip(&self.sides) {
+                *start += step[1];
+            }
+        }
     }
 }
 
@@ -357,7 +425,7 @@ mod tests {
 
     #[test]
     fn depths_are_those_of_the_plane_and_the_near_part_is_cut_off() {
-        let mut depths = Layer::of_depths([8, 8], [8.0; 2]);
+        let mut depths = Layer::of_depths([8, 8], 1, [8.0; 2]);
         for triangle in halves(2.5) {
             draw(&mut depths, triangle, |_| [0.0; 4]);
         }
@@ -365,7 +433,7 @@ mod tests {
         assert!((middle[4 * 8 + 4] - 2.5).abs() < 1e-5 && middle[0] == 100.0);
         // a floor 1 m below, from behind the camera to far ahead
         let floor = [[-50.0, -1.0, -5.0], [50.0, -1.0, -5.0], [0.0, -1.0, 500.0]];
-        let mut depths = Layer::of_depths([8, 8], [8.0; 2]);
+        let mut depths = Layer::of_depths([8, 8], 1, [8.0; 2]);
         draw(&mut depths, floor, |_| [0.0; 4]);
         let found: Vec<f32> = depths.depths(0.0).collect();
         for (y, row) in found.chunks(8).enumerate() {

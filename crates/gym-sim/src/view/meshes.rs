@@ -3,7 +3,7 @@
 
 use gym_core::canvas::{Canvas, Color};
 
-use super::layer::{Corner, Layer, Paint, Seen, image};
+use super::layer::{Corner, Layer, Seen, image};
 use super::look::Look;
 use super::surface::{Surface, Triangles};
 use super::{Scene, color_of, floor, is_shown, is_site_shown, rgba, shapes};
@@ -60,16 +60,15 @@ pub(super) fn draw(
     if let Some(height) = floor.map(|g| data.geom_xpos[g][2])
         && camera.pos[2] > height
     {
-        let mut shadows = Layer::new(fine.pixels, fine.per_pixel, focal);
+        let mut shadows = Layer::of_depths(fine.pixels, fine.per_pixel, focal);
         for solid in &solids {
             if solid.look.color[3] >= 0.5 && solid.pos[2] + solid.radius > height {
                 solid.cast(model, scene, height, &mut shadows);
             }
         }
         let color = floor::SHADOW;
-        let shade =
-            |pixel: Color| color.alpha((u32::from(pixel.a) * u32::from(color.a) / 255) as u8);
-        let pixels: Vec<Color> = shadows.pixels().into_iter().map(shade).collect();
+        let shade = |cover: u8| color.alpha((u32::from(cover) * u32::from(color.a) / 255) as u8);
+        let pixels: Vec<Color> = shadows.cover().map(shade).collect();
         canvas.image(image(&pixels, layer.width(), camera.size));
         // the floor hides what is below it
         let down = camera.pos[2] - height;
@@ -99,7 +98,7 @@ pub(super) fn depths(
     (size, focal): ([usize; 2], [f64; 2]),
     depths: &mut [f32],
 ) {
-    let mut layer = Layer::of_depths(size, focal);
+    let mut layer = Layer::of_depths(size, 1, focal);
     for solid in solids(scene, max_geom, None) {
         if solid.is_mesh {
             solid.paint(scene.model, scene, &mut layer);
@@ -237,7 +236,6 @@ impl Solid<'_> {
 
     /// Draws the shadow on a floor under a light straight above.
     fn cast(&self, model: &Model, scene: &Scene<'_>, height: f64, layer: &mut Layer) {
-        const FULL: Paint = [0.0, 0.0, 0.0, 1.0];
         let camera = &scene.camera;
         let from = sub([self.pos[0], self.pos[1], height], camera.pos);
         // the directions without their heights: all points lie on the floor
@@ -251,7 +249,7 @@ impl Solid<'_> {
         let corner = |at: Seen| layer.corner([0, 1, 2].map(|k| at[k] + around[k]));
         let seen: Vec<Corner> = self.seen(model, along, [0.0; 3]).map(corner).collect();
         for face in self.triangles(model).faces {
-            layer.triangle(face.map(|corner| seen[corner as usize]), |_| FULL);
+            layer.triangle(face.map(|corner| seen[corner as usize]), |_| [0.0; 4]);
         }
     }
 

@@ -229,6 +229,41 @@ fn a_value_that_a_column_cannot_hold_is_marked_as_missing() {
     assert_eq!(infos["_steps"], Value::Tuple(flags), "{infos:?}");
 }
 
+/// A column of texts has each environment's own, whatever the others have.
+#[test]
+fn a_column_of_objects_has_each_value() {
+    let [number, text] = [false, true].map(|is_odd| Counter {
+        is_odd,
+        ..Counter::new(9)
+    });
+    let envs = SyncVectorEnv::new([text.clone(), number, text]).unwrap();
+    let mut envs = envs.with_autoreset(Autoreset::SameStep);
+    let mut columns = envs.columns().unwrap();
+    envs.reset_into(&0.into(), &mut columns).unwrap();
+    envs.step_into(&Value::from([0_i64; 3]), &mut columns)
+        .unwrap();
+    let infos = envs.infos(&columns);
+    let many = || Value::Text("many".into());
+    assert_eq!(
+        infos["steps"],
+        Value::Tuple(vec![many(), Value::Int(1), many()])
+    );
+    assert_eq!(infos["_steps"], Value::Tuple(vec![Value::Bool(true); 3]));
+    // the second has no last observation, since its episode began later
+    let second = VectorReset::default().mask(vec![false, true, false]);
+    envs.reset_into(&second, &mut columns).unwrap();
+    envs.step_into(&Value::from([0_i64; 3]), &mut columns)
+        .unwrap();
+    let infos = envs.infos(&columns);
+    let last = || Value::from([2.0_f32, 1.0]);
+    assert_eq!(
+        infos["final_obs"],
+        Value::Tuple(vec![last(), Value::Null, last()])
+    );
+    let there = [true, false, true].map(Value::Bool).to_vec();
+    assert_eq!(infos["_final_obs"], Value::Tuple(there));
+}
+
 /// An environment that returns given observations and rewards, one after the other. Its space has
 /// two numbers.
 #[derive(Clone, Debug)]

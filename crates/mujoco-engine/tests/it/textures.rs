@@ -222,6 +222,43 @@ fn files_give_their_pixels() {
     }
 }
 
+/// Each face of a cube can have a file of its own.
+#[test]
+fn a_cube_has_a_file_for_each_face() {
+    let folder = Folder::new("faces", &[("images/none.txt", "")]);
+    let sides = ["right", "left", "up", "down", "front", "back"];
+    let mut files = String::new();
+    for (face, side) in (1..).zip(sides) {
+        let picture = png(png::ColorType::Grayscale, 2, &[face; 4]);
+        let path = folder.path().join(format!("images/{side}.png"));
+        fs::write(path, picture).unwrap();
+        files += &format!(" file{side}=\"{side}.png\"");
+    }
+    let load = |texture: &str| {
+        fs::write(folder.path().join("m.xml"), textured(texture)).unwrap();
+        folder.model("m.xml")
+    };
+    let faces: Vec<u8> = (1..=6).flat_map(|face| [face; 12]).collect();
+    let cube = load(&format!("name=\"t\" {files}")).unwrap();
+    assert_eq!(pixels(&cube, 0), faces);
+    // some of them
+    let cube = load(r#"name="t" fileback="back.png" fileleft="left.png" rgb1="0 0 0""#).unwrap();
+    let faces: Vec<u8> = [0, 2, 0, 0, 0, 6]
+        .into_iter()
+        .flat_map(|face| [face; 12])
+        .collect();
+    assert_eq!(pixels(&cube, 0), faces);
+    // all of one size
+    let large = png(png::ColorType::Grayscale, 3, &[9; 6]);
+    fs::write(folder.path().join("images/large.png"), large).unwrap();
+    let error = load(r#"name="t" fileleft="left.png" fileback="large.png""#).unwrap_err();
+    let error = error.to_string();
+    assert!(
+        error.contains("a face of 3x2 pixels, not of 2x2"),
+        "{error}"
+    );
+}
+
 #[test]
 fn damaged_textures_are_refused() {
     let text = textured(r#"name="t" type="2d" builtin="flat" width="4" height="3""#);

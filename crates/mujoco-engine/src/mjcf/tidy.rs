@@ -47,7 +47,8 @@ pub(crate) fn tidy(text: &str) -> Cow<'_, str> {
 /// Copies a tag; returns its length.
 fn tag(rest: &str, out: &mut String) -> usize {
     let mut at = 0;
-    while let Some(next) = rest[at..].find(['>', '"', '\'']) {
+    let stops = |byte: u8| matches!(byte, b'>' | b'"' | b'\'');
+    while let Some(next) = rest[at..].bytes().position(stops) {
         out.push_str(&rest[at..at + next]);
         at += next;
         let quote = &rest[at..=at];
@@ -74,7 +75,8 @@ fn tag(rest: &str, out: &mut String) -> usize {
 /// Copies a text with `<`, and `&` without a reference, as references.
 fn escape(text: &str, out: &mut String) {
     let mut rest = text;
-    while let Some(start) = rest.find(['&', '<']) {
+    let is_odd = |byte: u8| matches!(byte, b'&' | b'<');
+    while let Some(start) = rest.bytes().position(is_odd) {
         out.push_str(&rest[..start]);
         let reference = |name: &str| rest[start + 1..].starts_with(name);
         out.push_str(match &rest[start..=start] {

@@ -10,7 +10,7 @@ fn every_example_of_an_option_is_accepted() {
     for registration in registry::self_contained() {
         for (name, example) in registration.reset_options.0 {
             let example: Json = serde_json::from_str(example).unwrap();
-            let reset = Reset::seed(3).option(*name, example);
+            let reset = Reset::seed(3).option(name, example);
             if let Err(error) = make(registration.id()).unwrap().reset(reset) {
                 refused.push(format!("{}: {error}", registration.id()));
             }

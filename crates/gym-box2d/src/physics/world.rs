@@ -15,9 +15,10 @@ use super::{
     Vec2,
 };
 
-/// The largest number of a world that is restored. Episodes have up to 600, and a step multiplies
-/// masses, lengths and speeds in `f32`.
-pub(super) const LARGEST: f64 = 1e4;
+/// The largest number of a world that is restored. Episodes have up to 46,000, one divided by the
+/// moment of inertia of LunarLander's exhaust, and a step multiplies masses, lengths and speeds in
+/// `f32`.
+pub(super) const LARGEST: f64 = 1e5;
 
 /// The engine of a world.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]

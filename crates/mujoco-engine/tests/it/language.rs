@@ -44,7 +44,7 @@ fn attached_models_and_what_needs_no_file_are_as_in_libmujoco() {
                 }
             }
             let mut d = Data::new(&m);
-            for _ in 0..20 {
+            for _ in 0..expected["steps"].as_u64().unwrap() {
                 for (k, control) in d.ctrl.iter_mut().enumerate() {
                     *control = 0.1 * (k + 1) as f64;
                 }

@@ -3,7 +3,7 @@
     pip install mujoco==3.12.0        (or 4.0.0: the installed version is added)
     python language.py
 
-Each model is stepped 20 times; the control of actuator k is 0.1 (k + 1).
+Each model is stepped 20 times, or until its parts have touched for long; the control of actuator k is 0.1 (k + 1).
 """
 import json
 import os
@@ -83,6 +83,7 @@ FILES["mocap_field.xml"] = f"""<mujoco><asset>{HFIELD}</asset><worldbody><body m
 <body><geom type="plane" size="3 3 .1"/><geom type="box" size=".3 .3 .3" pos="2 0 -.1"/></body>
 {FALLING.replace("SPHERE", ".5").replace("BOX", ".45")}</worldbody></mujoco>"""
 MODELS = ["parts", "copies", "nested", "itself", "belt", "belt_cones", "shapes", "moving_field", "mocap_field"]
+STEPS = {"belt": 150, "belt_cones": 150}
 KINDS = "body joint geom site tendon actuator sensor equality key".split()
 
 
@@ -96,13 +97,14 @@ def names(model, kind):
 def record(folder, name):
     model = mujoco.MjModel.from_xml_path(os.path.join(folder, name + ".xml"))
     data = mujoco.MjData(model)
-    for _ in range(20):
+    steps = STEPS.get(name, 20)
+    for _ in range(steps):
         data.ctrl[:] = [0.1 * (k + 1) for k in range(model.nu)]
         mujoco.mj_step(model, data)
     keys = {key: getattr(model, "key_" + key).tolist() for key in ("time", "qpos", "qvel", "act", "ctrl", "mpos")}
     known = {kind: names(model, kind) for kind in KINDS}
-    assert data.ncon or name not in ("moving_field", "mocap_field")
-    return {"qpos": data.qpos.tolist(), "sensordata": data.sensordata.tolist(), "names": known, "keys": keys if model.nkey else None}
+    assert data.ncon or name not in ("moving_field", "mocap_field", *STEPS)
+    return {"steps": steps, "qpos": data.qpos.tolist(), "sensordata": data.sensordata.tolist(), "names": known, "keys": keys if model.nkey else None}
 
 
 def main():

@@ -36,6 +36,20 @@ fn the_suite_has_51_ids() {
     assert!(ids.iter().all(|id| id.starts_with("dm_control/")));
 }
 
+/// Without a seed, the first episode is any of many.
+#[test]
+fn first_episodes_without_a_seed_differ() {
+    for id in ["acrobot-swingup", "reacher-easy", "cartpole-swingup"] {
+        let first = || {
+            make(&format!("dm_control/{id}-v0"))
+                .unwrap()
+                .reset(())
+                .unwrap()
+        };
+        assert_ne!(first(), first(), "{id}");
+    }
+}
+
 #[test]
 fn a_flat_observation_has_the_parts_in_the_packages_order() {
     let mut parts = make("dm_control/reacher-easy-v0").unwrap();

@@ -511,8 +511,8 @@ impl Rapier {
         self.scene.ray_casts(from, to, categories)
     }
 
-    /// Whether the scene is consistent and rapier knows its bodies and joints. rapier's own state
-    /// is not checked.
+    /// Whether the scene is consistent, and rapier knows its bodies and joints. Of rapier's own state
+    /// only the size of its numbers is checked.
     pub(super) fn is_valid(&self) -> bool {
         let bodies = |id: u32| self.sets.bodies.get(*self.bodies.get(id as usize)?);
         let joints = |id: u32| self.sets.joints.get(*self.joints.get(id as usize)?);

@@ -48,23 +48,26 @@ impl Layer {
     /// An empty layer of `width` by `height` pixels, for a camera that shows a length of 1 at a
     /// distance of 1 as `focal` pixels.
     pub(super) fn new([width, height]: [usize; 2], per_pixel: usize, focal: [f64; 2]) -> Self {
-        let size = [width * per_pixel, height * per_pixel];
-        let samples = size[0] * size[1];
+        let layer = Self::of_depths([width, height], per_pixel, focal);
         Self {
-            size,
-            per_pixel,
-            focal: focal.map(|x| x * per_pixel as f64),
-            nearness: vec![0.0; samples],
-            colors: vec![[0.0; 4]; samples],
+            colors: vec![[0.0; 4]; layer.nearness.len()],
+            ..layer
         }
     }
 
     /// A layer that has depths only.
-    pub(super) fn of_depths(size: [usize; 2], per_pixel: usize, focal: [f64; 2]) -> Self {
-        let colors = Vec::new();
+    pub(super) fn of_depths(
+        [width, height]: [usize; 2],
+        per_pixel: usize,
+        focal: [f64; 2],
+    ) -> Self {
+        let size = [width * per_pixel, height * per_pixel];
         Self {
-            colors,
-            ..Self::new(size, per_pixel, focal)
+            size,
+            per_pixel,
+            focal: focal.map(|x| x * per_pixel as f64),
+            nearness: vec![0.0; size[0] * size[1]],
+            colors: Vec::new(),
         }
     }
 

@@ -10,6 +10,11 @@ fn has<T>(arena: &Arena<T>, slots: &[u32]) -> bool {
     slots.iter().all(|slot| arena.get(*slot).is_some())
 }
 
+/// What follows from the mass of a body's fixtures.
+fn masses(body: &Body) -> (f32, f32, Vec2) {
+    (body.inv_mass, body.inv_inertia, body.sweep.local_center)
+}
+
 impl Box2d {
     /// Whether the fixture `id` has the shape and the body of its terrain edge, and a contact. True
     /// for every fixture outside the terrain.
@@ -75,18 +80,10 @@ impl Box2d {
             && contacts
             && has(&self.bodies, &self.dynamic)
             && has(&self.joints, &self.joint_order)
-            && self.dynamic.iter().all(|id| {
-                let masses = |body: &Body| {
-                    let Body {
-                        inv_mass,
-                        inv_inertia,
-                        sweep,
-                        ..
-                    } = body;
-                    (*inv_mass, *inv_inertia, sweep.local_center)
-                };
-                masses(&self.bodies[*id]) == masses(&self.weighed(*id))
-            })
+            && self
+                .dynamic
+                .iter()
+                .all(|id| masses(&self.bodies[*id]) == masses(&self.weighed(*id)))
             && self.broad_phase.is_valid(|fixture, id| {
                 self.fixtures
                     .get(fixture)

@@ -18,18 +18,18 @@ pub(crate) const EPS: f64 = 1e-14;
 pub type Vec3 = [f64; 3];
 /// A quaternion: `w, x, y, z`.
 pub type Quat = [f64; 4];
-
-/// The inverse of a rotation.
-#[inline(always)]
-pub(crate) fn inverse([w, x, y, z]: Quat) -> Quat {
-    [w, -x, -y, -z]
-}
 /// A matrix of three rows, one after the other.
 pub type Mat3 = [f64; 9];
 pub(crate) type Vec6 = [f64; 6];
 
 /// The matrix that turns nothing.
 pub const IDENTITY: Mat3 = [1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0];
+
+/// The inverse of a rotation.
+#[inline(always)]
+pub(crate) fn inverse([w, x, y, z]: Quat) -> Quat {
+    [w, -x, -y, -z]
+}
 
 /// `a + b`.
 #[inline(always)]

@@ -1,9 +1,11 @@
 //! Intersections of rays with the triangles of meshes and height fields.
 
+use std::ops::Range;
+
 use super::{cuboid, faces, near};
 use crate::Model;
 use crate::math::spatial::{
-    MINVAL, Mat3, Vec3, add_scaled, column, cross, dot, normalize, rotate_back, sub,
+    MINVAL, Mat3, Vec3, add, add_scaled, column, cross, dot, normalize, rotate_back, scale, sub,
 };
 use crate::model::bounds::Bounds;
 
@@ -39,13 +41,13 @@ impl Local {
     fn meets(&self, [centre, half]: &Bounds) -> bool {
         const ROUNDING: f64 = 1e-12;
         let from = sub(*centre, self.from);
-        let size = |v: &Vec3| v[0].abs() + v[1].abs() + v[2].abs();
-        let rounding = ROUNDING * (size(&from) + size(half));
-        let beside = |axis: &Vec3| {
-            let reach = dot(axis.map(f64::abs), *half);
-            dot(*axis, from).abs() > reach + rounding
+        let size = |[x, y, z]: Vec3| x.abs() + y.abs() + z.abs();
+        let rounding = ROUNDING * (size(from) + size(*half));
+        let is_beside = |[x, y, z]: Vec3| {
+            let reach = dot([x.abs(), y.abs(), z.abs()], *half);
+            dot([x, y, z], from).abs() > reach + rounding
         };
-        !self.across.iter().any(beside)
+        !is_beside(self.across[0]) && !is_beside(self.across[1])
     }
 
     fn at(&self, distance: f64, axis: usize) -> f64 {
@@ -55,16 +57,17 @@ impl Local {
     /// The distance to a triangle; `None` if the ray does not meet it. It may be negative.
     fn triangle(&self, corners: [Vec3; 3]) -> Option<f64> {
         // the corners in the plane orthogonal to the ray
-        let planar =
-            corners.map(|corner| self.across.map(|axis| dot(axis, sub(corner, self.from))));
+        let planar = |corner: Vec3| {
+            let corner = sub(corner, self.from);
+            [dot(self.across[0], corner), dot(self.across[1], corner)]
+        };
+        let [p, q, r] = [planar(corners[0]), planar(corners[1]), planar(corners[2])];
         let beside = |k: usize| {
-            planar.iter().all(|corner| corner[k] > 0.0)
-                || planar.iter().all(|corner| corner[k] < 0.0)
+            p[k] > 0.0 && q[k] > 0.0 && r[k] > 0.0 || p[k] < 0.0 && q[k] < 0.0 && r[k] < 0.0
         };
         if beside(0) || beside(1) {
             return None;
         }
-        let [p, q, r] = planar;
         let [a, b, c, d] = [p[0] - r[0], q[0] - r[0], p[1] - r[1], q[1] - r[1]];
         let (x, y) = (-r[0], -r[1]);
         let det = a * d - b * c;
@@ -90,6 +93,23 @@ fn keep(found: &mut f64, distance: Option<f64>) {
     {
         *found = distance;
     }
+}
+
+/// Calls `each` with the numbers of a range, in their order, except for parts that `meets` refuses.
+fn search(
+    range: Range<usize>,
+    meets: &impl Fn(&Range<usize>) -> bool,
+    each: &mut impl FnMut(usize),
+) {
+    if range.is_empty() || !meets(&range) {
+        return;
+    }
+    if range.len() == 1 {
+        return each(range.start);
+    }
+    let middle = range.start.midpoint(range.end);
+    search(range.start..middle, meets, each);
+    search(middle..range.end, meets, each);
 }
 
 /// The distance at which a ray meets the triangles of a mesh; -1 for none: MuJoCo's `mj_rayMesh`.
@@ -180,7 +200,19 @@ pub(super) fn hfield(m: &Model, g: usize, place: (Vec3, &Mat3), point: Vec3, alo
         ]
     };
     for row in cells(1, y, dy, rows) {
-        for column in cells(0, x, dx, columns) {
+        let all = cells(0, x, dx, columns);
+        // a range of cells has one point more
+        let points = |row: usize| data[row * columns..].get(all.start..=all.end);
+        let heights = [row, row + 1].into_iter().filter_map(points).flatten();
+        let heights = heights.copied();
+        let lowest = f64::from(heights.clone().fold(f32::INFINITY, f32::min)) * height;
+        let highest = f64::from(heights.fold(f32::NEG_INFINITY, f32::max)) * height;
+        let meets = |part: &Range<usize>| {
+            let low = [dx * part.start as f64 - x, dy * row as f64 - y, lowest];
+            let high = [dx * part.end as f64 - x, dy * (row + 1) as f64 - y, highest];
+            ray.meets(&[scale(add(low, high), 0.5), scale(sub(high, low), 0.5)])
+        };
+        search(all, &meets, &mut |column| {
             let [near, far] = [corner(row, column), corner(row + 1, column + 1)];
             let right = corner(row, column + 1);
             keep(&mut found, ray.triangle([near, right, far]));
@@ -188,7 +220,7 @@ pub(super) fn hfield(m: &Model, g: usize, place: (Vec3, &Mat3), point: Vec3, alo
                 &mut found,
                 ray.triangle([near, far, corner(row + 1, column)]),
             );
-        }
+        });
     }
     for (side, distance) in top[..4].iter().copied().enumerate() {
         if distance < 0.0 || (found >= 0.0 && distance >= found) {
@@ -282,5 +314,65 @@ mod tests {
         assert!(hits > 500, "{hits}");
         let share = f64::from(compared) / (2000.0 * all.mesh_face.len() as f64);
         assert!(share < 0.3, "{share}");
+    }
+
+    /// The parts of a height field that are left out have no triangle that a ray meets.
+    #[test]
+    fn few_cells_are_compared_and_none_is_missed() {
+        let mut random = RandomState::new(1);
+        let heights: Vec<_> = (0..23 * 31)
+            .map(|_| random.uniform(0.0, 1.0).to_string())
+            .collect();
+        let text = format!(
+            r#"<mujoco><asset><hfield name="h" nrow="23" ncol="31" size="1 0.7 0.5 0.2" elevation="{}"/></asset>
+            <worldbody><geom type="hfield" hfield="h"/></worldbody></mujoco>"#,
+            heights.join(" ")
+        );
+        let m = Model::from_xml(&text).unwrap();
+        let corner = |row: usize, column: usize| {
+            let height = m.hfields.hfield_data[row * 31 + column];
+            let (dx, dy) = (2.0 / 30.0, 2.0 * 0.7 / 22.0);
+            [
+                dx * column as f64 - 1.0,
+                dy * row as f64 - 0.7,
+                f64::from(height) * 0.5,
+            ]
+        };
+        let mut hits = 0;
+        for i in 0..5000 {
+            let mut from: Vec3 = std::array::from_fn(|_| random.uniform(-1.0, 1.0));
+            let mut along: Vec3 = std::array::from_fn(|_| random.uniform(-1.0, 1.0));
+            match i % 4 {
+                0 => along[i / 4 % 3] = 0.0,
+                // to a corner, and along the grid
+                1 => along = sub(corner(i % 23, i % 31), from),
+                2 => (from[1], along) = (corner(i % 23, 0)[1], [1.0, 0.0, along[2] * 0.1]),
+                _ => {}
+            }
+            let ray = Local::new(([0.0; 3], &IDENTITY), from, along);
+            let mut expected = -1.0;
+            for (row, column) in (0..22).flat_map(|row| (0..30).map(move |column| (row, column))) {
+                let [near, far] = [corner(row, column), corner(row + 1, column + 1)];
+                let (right, left) = (corner(row, column + 1), corner(row + 1, column));
+                keep(&mut expected, ray.triangle([near, right, far]));
+                keep(&mut expected, ray.triangle([near, far, left]));
+            }
+            let found = hfield(&m, 0, ([0.0; 3], &IDENTITY), from, along);
+            // (the base and the sides are no triangles)
+            let at = |axis: usize| ray.at(found, axis);
+            let is_below = at(2) < 1e-9
+                || (at(0).abs() - 1.0).abs() < 1e-9
+                || (at(1).abs() - 0.7).abs() < 1e-9;
+            if expected < 0.0 || found < expected && is_below {
+                assert!(found < 0.0 || is_below, "ray {i}");
+                continue;
+            }
+            assert!(
+                (found - expected).abs() < 1e-12,
+                "ray {i}: {found}, {expected}"
+            );
+            hits += 1;
+        }
+        assert!(hits > 1000, "{hits}");
     }
 }

@@ -110,12 +110,27 @@ impl Simulation {
     ) -> Result<Self> {
         arguments.check()?;
         let model = load()?;
-        let view = arguments.view(&model)?;
-        let named = arguments.keyframe.as_deref();
         let scheme = match stepper {
             Stepper::Behind { contact_forces } => Scheme::Behind { contact_forces },
             Stepper::Settled => Scheme::Settled(Variants::of(&model)?),
         };
+        Self::of(model, scheme, arguments)
+    }
+
+    /// The same models with the frame skip and the camera of `arguments`, for environments that share
+    /// what was compiled.
+    ///
+    /// # Errors
+    /// [`Error::InvalidArgument`] for an argument out of range, and a camera or keyframe that the
+    /// model lacks.
+    pub fn with(&self, arguments: &Common) -> Result<Self> {
+        arguments.check()?;
+        Self::of(Arc::clone(&self.model), self.scheme.clone(), arguments)
+    }
+
+    fn of(model: Arc<Model>, scheme: Scheme, arguments: &Common) -> Result<Self> {
+        let view = arguments.view(&model)?;
+        let named = arguments.keyframe.as_deref();
         Ok(Self {
             xml_file: arguments.xml_file.clone(),
             keyframe: named.map(|name| keyframe(&model, name)).transpose()?,

@@ -142,7 +142,7 @@ impl View {
     /// finite.
     pub fn new(model: &Model, camera: &CameraConfig) -> Result<Self> {
         Ok(Self {
-            mount: free(model, &initial(model), camera)?,
+            mount: free(model, camera)?,
             max_geom: usize::MAX,
             samples: meshes::FINE,
         })
@@ -332,7 +332,7 @@ fn rgba([r, g, b, a]: [f64; 4]) -> Color {
 }
 
 /// Returns a free camera. A value that `config` leaves out is the default of MuJoCo's viewer.
-fn free(model: &Model, data: &Data, config: &CameraConfig) -> Result<Mount> {
+fn free(model: &Model, config: &CameraConfig) -> Result<Mount> {
     let wrong = |reason: &str| Error::argument("default_camera_config", reason);
     let follows = match config.trackbodyid {
         Some(id @ 1..) => match usize::try_from(id).ok().filter(|id| *id < model.nbody()) {
@@ -346,18 +346,11 @@ fn free(model: &Model, data: &Data, config: &CameraConfig) -> Result<Mount> {
         },
         _ => None,
     };
-    let median = |k: usize| {
-        let mut numbers: Vec<f64> = data.geom_xpos.iter().map(|pos| pos[k]).collect();
-        numbers.sort_by(f64::total_cmp);
-        let middle = |n: usize| numbers.get(n / 2).copied().unwrap_or(0.0);
-        // the median: of an even number of geoms, the mean of the two in the middle, as in numpy
-        (middle(numbers.len().saturating_sub(1)) + middle(numbers.len())) / 2.0
-    };
     let config = Free {
         distance: config.distance.unwrap_or(model.stat.extent),
         azimuth: config.azimuth.unwrap_or(AZIMUTH),
         elevation: config.elevation.unwrap_or(ELEVATION),
-        lookat: config.lookat.unwrap_or_else(|| std::array::from_fn(median)),
+        lookat: config.lookat.unwrap_or_else(|| middle(model)),
     };
     let numbers = [config.distance, config.azimuth, config.elevation];
     if !numbers.iter().chain(&config.lookat).all(|x| x.is_finite()) || config.distance <= 0.0 {
@@ -365,6 +358,18 @@ fn free(model: &Model, data: &Data, config: &CameraConfig) -> Result<Mount> {
         return Err(wrong(reason));
     }
     Ok(Mount::Free { config, follows })
+}
+
+/// The middle of a model in its initial configuration: the median of its geoms' positions.
+fn middle(model: &Model) -> Vec3 {
+    let places = initial(model).geom_xpos;
+    std::array::from_fn(|k| {
+        let mut numbers: Vec<f64> = places.iter().map(|pos| pos[k]).collect();
+        numbers.sort_by(f64::total_cmp);
+        let at = |n: usize| numbers.get(n / 2).copied().unwrap_or(0.0);
+        // of an even number of geoms, the mean of the two in the middle, as in numpy
+        (at(numbers.len().saturating_sub(1)) + at(numbers.len())) / 2.0
+    })
 }
 
 impl Own {
@@ -418,5 +423,29 @@ impl Own {
                 Camera::new(place, &axes, self.fovy, size)
             }
         }
+    }
+}
+
+#[cfg(test)]
+pub(crate) mod tests {
+    use gym_core::canvas::{Align, Canvas, Color, Point, Shape, Transform};
+
+    /// A canvas that keeps the colours of shapes.
+    #[derive(Default)]
+    pub(crate) struct Colors(pub(crate) Vec<Color>);
+
+    impl Canvas for Colors {
+        fn clear(&mut self, color: Color) {
+            self.0.push(color);
+        }
+        fn fill(&mut self, _: Shape<'_>, color: Color) {
+            self.0.push(color);
+        }
+        fn stroke(&mut self, _: Shape<'_>, _: f64, color: Color) {
+            self.0.push(color);
+        }
+        fn text(&mut self, _: &str, _: Point, _: f64, _: Align, _: Color) {}
+        fn push(&mut self, _: Transform) {}
+        fn pop(&mut self) {}
     }
 }

@@ -116,7 +116,7 @@ class MujocoEnv(ClassEnv):
         self.metadata = dict(self.metadata)
         mro = type(self).__mro__
         own = {name for cls in mro[: mro.index(MujocoEnv)] if cls.__module__ != "rustgym.envs" for name in vars(cls)}
-        self._overrides = any(map(self._is_called, own))
+        self.__dict__["_overrides"] = any(map(self._is_called, own))
         if (installed := _installed()) is not None and not self._is_of_version(installed):
             versions = self._made_of["versions"]
             name = next((name for name in versions if is_of(installed, versions[name])), None)
@@ -472,16 +472,16 @@ class MujocoEnv(ClassEnv):
         return super().__getattr__(name)  # type: ignore[misc]
 
     def __setattr__(self, name: str, value: Any) -> None:
-        arguments = self.__dict__.get("arguments", {})
-        if name.startswith("_") and name[1:] in arguments:
+        arguments = self.__dict__.get("arguments")
+        if arguments is None or name in ("mujoco_renderer", "frame_skip", "spec", "metadata"):
+            object.__setattr__(self, name, value)
+        elif name.startswith("_") and name[1:] in arguments:
             self._set_argument(name[1:], value)
             object.__setattr__(self, name, value)
         elif isinstance(borrowed := vars(MujocoEnv).get(name), Borrowed) and self._native is not None:
             borrowed.replace(self, value)
         elif self._native is not None and isinstance(getattr(type(self), name, None), FunctionType) and self._is_called(name):
             self._hand_over(name)
-            object.__setattr__(self, name, value)
-        elif name in ("mujoco_renderer", "frame_skip"):
             object.__setattr__(self, name, value)
         else:
             super().__setattr__(name, value)

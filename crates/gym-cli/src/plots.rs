@@ -28,6 +28,15 @@ fn extension(path: &Path) -> Option<String> {
 
 /// Plots the returns and lengths of `runs`, each with its name, to an SVG or PNG file.
 pub(crate) fn write(path: &Path, title: &str, runs: &[(String, Vec<Episode>)]) -> Result<()> {
+    let plot = plot(title, runs);
+    if extension(path).as_deref() == Some("png") {
+        plot.write_png(path)
+    } else {
+        plot.write_svg(path)
+    }
+}
+
+fn plot(title: &str, runs: &[(String, Vec<Episode>)]) -> Plot {
     let values = runs.iter().map(|(name, episodes)| {
         let returns: Vec<f64> = episodes
             .iter()
@@ -48,10 +57,34 @@ pub(crate) fn write(path: &Path, title: &str, runs: &[(String, Vec<Episode>)]) -
     let runs = values
         .iter()
         .map(|(name, returns, lengths)| (*name, &returns[..], &lengths[..]));
-    let plot = Plot::episodes(title, (longest / 5).clamp(1, 100), runs);
-    if extension(path).as_deref() == Some("png") {
-        plot.write_png(path)
-    } else {
-        plot.write_svg(path)
+    Plot::episodes(title, (longest / 5).clamp(1, 100), runs)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use gym::Value;
+
+    #[test]
+    fn returns_stand_above_lengths() {
+        let episode = |seed, length| Episode {
+            seed,
+            episode_return: -(length as f64),
+            length,
+            terminated: true,
+            truncated: false,
+            last_reward: -1.0,
+            last_observation: Value::Null,
+        };
+        let runs = [
+            ("a".to_owned(), vec![episode(0, 3), episode(1, 5)]),
+            ("b".to_owned(), vec![episode(0, 4)]),
+        ];
+        let series = [
+            ("a", &[-3.0, -5.0][..], &[3.0, 5.0][..]),
+            ("b", &[-4.0], &[4.0]),
+        ];
+        let known = Plot::episodes("t", 1, series);
+        assert_eq!(format!("{:?}", plot("t", &runs)), format!("{known:?}"));
     }
 }

@@ -4,6 +4,7 @@
 //! reads a file that a user names reads it here.
 
 use std::env;
+use std::ffi::OsStr;
 use std::fs::{self, File};
 use std::io::{self, ErrorKind, Read as _};
 use std::path::{Path, PathBuf};
@@ -48,18 +49,18 @@ pub fn read_text(path: &Path, max: usize) -> io::Result<String> {
 #[must_use]
 pub fn of_python(folder: &str) -> Option<PathBuf> {
     let active = env::var_os("VIRTUAL_ENV").map(PathBuf::from);
-    let of_path = env::var_os("PATH").into_iter().flat_map(|path| {
-        let folders: Vec<_> = env::split_paths(&path).collect();
-        folders
-            .into_iter()
-            .filter(|folder| folder.join("python3").exists())
-    });
-    let prefixes = of_path.filter_map(|folder| folder.parent().map(Path::to_owned));
+    let path = env::var_os("PATH").unwrap_or_default();
+    prefixes(active, &path).find_map(|prefix| installed(&prefix, folder))
+}
+
+/// The Python installations to look into, the first one first: the active virtual environment, and
+/// those of the folders of `PATH`.
+fn prefixes(active: Option<PathBuf>, path: &OsStr) -> impl Iterator<Item = PathBuf> {
+    let of_path = env::split_paths(path).filter(|folder| folder.join("python3").exists());
     active
         .into_iter()
         .chain([PathBuf::from(".venv")])
-        .chain(prefixes)
-        .find_map(|prefix| installed(&prefix, folder))
+        .chain(of_path.filter_map(|folder| folder.parent().map(Path::to_owned)))
 }
 
 /// A folder of a package in a Python installation or virtual environment.
@@ -89,6 +90,21 @@ fn installed(prefix: &Path, folder: &str) -> Option<PathBuf> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn the_active_environment_comes_first_and_a_folder_without_python_counts_not() {
+        let root = std::env::temp_dir().join(format!("gym-numerics-path-{}", std::process::id()));
+        let bins = ["a", "b"].map(|name| root.join(name).join("bin"));
+        bins.iter().for_each(|bin| fs::create_dir_all(bin).unwrap());
+        fs::write(bins[1].join("python3"), "").unwrap();
+        let path = env::join_paths(&bins).unwrap();
+        let found = |active: Option<PathBuf>| prefixes(active, &path).collect::<Vec<_>>();
+        let (local, of_path) = (PathBuf::from(".venv"), root.join("b"));
+        assert_eq!(found(None), [local.clone(), of_path.clone()]);
+        let active = PathBuf::from("active");
+        assert_eq!(found(Some(active.clone())), [active, local, of_path]);
+        fs::remove_dir_all(&root).unwrap();
+    }
 
     #[test]
     fn a_package_is_found_in_the_layouts_of_an_installation() {

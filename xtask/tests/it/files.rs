@@ -505,6 +505,26 @@ fn a_plot_has_the_format_of_its_name() {
     }
 }
 
+#[test]
+fn a_list_has_the_episodes_of_every_policy() {
+    let out = folder("run-policies");
+    let [plot, list] = ["a.svg", "a.json"].map(|name| out.join(name));
+    let arguments = "run MountainCar-v0 --policy random,good --seeds 0..2 --plot";
+    let mut arguments: Vec<_> = arguments.split_whitespace().collect();
+    arguments.extend([plot.to_str().unwrap(), "--json", list.to_str().unwrap()]);
+    prints(&arguments);
+    let list = std::fs::read_to_string(list).expect("the list");
+    let episodes: Vec<Json> = serde_json::from_str(&list).expect("JSON");
+    let seeds: Vec<_> = episodes.iter().map(|episode| &episode["seed"]).collect();
+    assert_eq!(seeds, [0, 1, 0, 1]);
+    let lengths: Vec<_> = episodes.iter().map(|episode| &episode["length"]).collect();
+    assert!(
+        lengths[..2] == [200, 200] && lengths[2..] != [200, 200],
+        "{lengths:?}"
+    );
+    assert!(plot.exists());
+}
+
 /// Ctrl+C or `kill` in the middle of a recording leaves no part of a file.
 #[cfg(unix)]
 #[test]

@@ -215,6 +215,8 @@ pub(super) fn wall(scene: &Scene<'_>, g: usize, canvas: &mut dyn Canvas) {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::view::tests::Colors;
+    use crate::view::{CameraConfig, View};
     use mujoco_engine::Revision;
     use mujoco_engine::physics::kinematics;
 
@@ -226,6 +228,25 @@ mod tests {
         kinematics(&model, &mut data);
         let corners = solid_outline(&model, &data, 0, 0.0);
         [0, 1].map(|k| corners.iter().map(|corner| corner[k]).fold(0.0, f64::max))
+    }
+
+    #[test]
+    fn a_floor_has_shadows_on_its_upper_side_of_what_is_above() {
+        let seen = |height: f64, elevation: f64| {
+            let text = format!(
+                "<mujoco><worldbody><geom type='plane' size='9 9 1'/><geom size='.3' pos='0 0 {height}'/></worldbody></mujoco>"
+            );
+            let model = Model::from_xml(&text).unwrap();
+            let mut data = Data::new(&model);
+            kinematics(&model, &mut data);
+            let camera = CameraConfig::at([0.0, 0.0, 1.0], 4.0, 90.0, elevation);
+            let mut canvas = Colors::default();
+            let view = View::new(&model, &camera).unwrap();
+            view.draw(&model, &data, (80, 60), &mut canvas);
+            canvas.0.iter().filter(|color| **color == SHADOW).count()
+        };
+        assert_eq!((seen(1.0, -30.0), seen(1.0, 30.0)), (1, 0));
+        assert_eq!((seen(-1.0, -30.0), seen(-1.0, 30.0)), (0, 0));
     }
 
     #[test]

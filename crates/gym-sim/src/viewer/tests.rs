@@ -1,6 +1,5 @@
-use gym_core::canvas::{Align, Color, Shape, Transform};
-
 use super::*;
+use crate::view::tests::Colors;
 
 const SIZE: (u32, u32) = (640, 480);
 
@@ -361,25 +360,6 @@ fn a_step_allocates_nothing() {
         viewer.advance(0.1, || true).unwrap();
     });
     assert_eq!(counted.count_total, 0);
-}
-
-/// A canvas that counts shapes by their colour.
-#[derive(Default)]
-struct Colors(Vec<Color>);
-
-impl Canvas for Colors {
-    fn clear(&mut self, color: Color) {
-        self.0.push(color);
-    }
-    fn fill(&mut self, _: Shape<'_>, color: Color) {
-        self.0.push(color);
-    }
-    fn stroke(&mut self, _: Shape<'_>, _: f64, color: Color) {
-        self.0.push(color);
-    }
-    fn text(&mut self, _: &str, _: Point, _: f64, _: Align, _: Color) {}
-    fn push(&mut self, _: Transform) {}
-    fn pop(&mut self) {}
 }
 
 #[test]

@@ -10,8 +10,9 @@ use gym_core::{
     Space, Value, VectorEnv, VectorEnvExt, WrapperSpec,
 };
 use gym_wrappers::{
-    FrameStackObservation, NormalizeObservation, NormalizeReward, RunningMeanStd, StickyAction,
-    TransformObservation, VectorWrap, Wrap, frame_stack_observation, normalize_observation,
+    ClipReward, FrameStackObservation, NormalizeObservation, NormalizeReward, RunningMeanStd,
+    StickyAction, TransformObservation, VectorWrap, Wrap, frame_stack_observation,
+    normalize_observation,
 };
 use serde_json::json;
 
@@ -296,6 +297,22 @@ fn rewards_are_divided_by_a_deviation_that_was_set() {
         .to_string();
     assert!(error.contains("the statistics are of 2 numbers"), "{error}");
     assert_eq!(*env.statistics(), known, "what is refused changes nothing");
+}
+
+#[test]
+fn a_side_without_a_bound_lets_every_reward_through() {
+    let rewards = [f64::NEG_INFINITY, -1e300, 0.5, 1e300, f64::INFINITY];
+    for (bounds, expected) in [
+        ((Some(-1.0), None), [-1.0, -1.0, 0.5, 1e300, f64::INFINITY]),
+        (
+            (None, Some(1.0)),
+            [f64::NEG_INFINITY, -1e300, 0.5, 1.0, 1.0],
+        ),
+    ] {
+        let mut env = ClipReward::new(Script::rewarded(&rewards), bounds).unwrap();
+        env.reset(0).unwrap();
+        assert_eq!(rewards.map(|_| env.step(&0).unwrap().reward), expected);
+    }
 }
 
 #[test]

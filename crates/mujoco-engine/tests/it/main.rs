@@ -2,6 +2,7 @@
 
 mod allocations;
 mod assets;
+mod attributes;
 mod changes;
 mod common;
 mod compiled;

@@ -253,15 +253,17 @@ mod tests {
         let text = r#"<mujoco model="arm"><compiler angle="radian"/><asset><mesh name="t" vertex="0 0 0 1 0 0 0 1 0 0 0 1"/></asset>
             <worldbody><geom type="plane" size="1 1 1" conaffinity="0"/><camera name="eye"/>
             <body name="upper" pos="0 0 1"><joint name="elbow" range="-1 0.5"/><geom size="0.1" mass="2" contype="0"/><site name="tip"/>
-            <geom type="mesh" mesh="t" contype="0" conaffinity="0" mass="0"/></body></worldbody>
+            <geom type="mesh" mesh="t" contype="0" conaffinity="0" mass="0"/></body>
+            <body name="hand" mocap="true"/></worldbody>
             <actuator><motor name="pull" joint="elbow" ctrlrange="-2 2"/></actuator>
             <sensor><gyro name="felt" site="tip"/></sensor><keyframe><key name="home"/></keyframe></mujoco>"#;
         let model = Model::from_xml(text).unwrap();
         let text = super::model(&model);
         for line in [
-            "arm: 1 body, 1 joint, 1 degree of freedom, 3 geoms, 1 actuator, 2.0000 kg",
+            "arm: 2 bodies, 1 joint, 1 degree of freedom, 3 geoms, 1 actuator, 2.0000 kg",
             "  world; 1 plane that collides",
             "    upper, 2.0000 kg; 1 mesh to look at, 1 sphere that collides",
+            "    hand, 0.0000 kg, mocap",
             "      joint elbow: hinge, -1.0000 to 0.5000 rad",
             "1 mesh of 4 vertices and 4 triangles",
             "  pull: on joint elbow, controls -2 to 2",

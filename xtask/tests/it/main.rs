@@ -7,6 +7,7 @@ mod files;
 mod lines;
 mod plugin;
 mod replay;
+mod run;
 
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};

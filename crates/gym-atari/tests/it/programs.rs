@@ -448,6 +448,23 @@ fn a_program_without_modes_starts_as_well() {
     assert_eq!(ale.ram().0[0x01], 0x55);
 }
 
+/// No frame ends when a console is switched on, so its first picture is none.
+#[test]
+fn the_first_picture_of_a_console_is_not_complete() {
+    let code = [
+        0xa2, 0xff, 0x85, 0x02, 0xca, 0xd0, 0xfb, // 255 lines
+        0xa9, 0x02, 0x85, 0x00, 0x85, 0x02, 0x85, 0x02, 0xa9, 0x00, 0x85, 0x00, // VSYNC
+        0x4c, 0x00, 0xf0, // again
+    ];
+    let cartridge = Cartridge::new(&rom(&code), Scheme::Rom4K);
+    let mut console = Console::new(cartridge, Display::NTSC, [0; 128], 74);
+    let is_short = [(); 4].map(|()| {
+        console.frame(&Input::default());
+        console.is_short()
+    });
+    assert_eq!(is_short, [true, false, false, false]);
+}
+
 /// A frame that is not drawn changes everything except the picture like a drawn frame.
 #[test]
 fn unseen_frames_play_the_same() {

@@ -68,6 +68,16 @@ def test_attributes_need_no_import() -> None:
     assert result.returncode == 0, result.stderr
 
 
+@pytest.mark.parametrize("name", ["envs.registration", "spaces", "vector.utils"])
+def test_a_star_brings_what_gymnasiums_brings(name: str) -> None:
+    ours: dict[str, object] = {}
+    theirs: dict[str, object] = {}
+    exec(f"from rustgym.{name} import *", ours)
+    exec(f"from gymnasium.{name} import *", theirs)
+    assert ours.keys() == theirs.keys() and len(theirs) > 5
+    assert importlib.import_module(f"rustgym.{name}").__file__ == importlib.import_module(f"gymnasium.{name}").__file__
+
+
 def test_what_is_not_there_is_an_error() -> None:
     with pytest.raises(ModuleNotFoundError):
         importlib.import_module("rustgym.wrappers.nothing")

@@ -210,6 +210,23 @@ def test_what_cannot_be_opened_says_so(minigrid: Any) -> None:
         env.get_state()
 
 
+def test_what_could_not_be_opened_is_as_it_was(minigrid: Any, monkeypatch: pytest.MonkeyPatch) -> None:
+    env, twin = (make(rustgym, "MiniGrid-DoorKey-5x5-v0").unwrapped for _ in range(2))
+    before, mine = dict(env.__dict__), type(env)
+
+    def fail(self: Any, *args: Any, **kwargs: Any) -> None:
+        self.agent_pos = self.of_nobody = (9, 9)
+        raise MemoryError("in the middle")
+
+    with monkeypatch.context() as patch:
+        patch.setattr(type(make(gymnasium, "MiniGrid-DoorKey-5x5-v0").unwrapped), "__init__", fail)
+        with pytest.raises(MemoryError, match="in the middle"):
+            _ = env.grid
+    assert type(env) is mine and env.__dict__.keys() == before.keys()
+    assert_same(steps(env, [2, 1, 2]), steps(twin, [2, 1, 2]), "the episode goes on")
+    assert env.grid is not None
+
+
 def test_box2d_repeats_its_episode() -> None:
     pytest.importorskip("Box2D")
 

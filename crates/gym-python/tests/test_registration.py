@@ -102,6 +102,9 @@ def test_ids_without_version() -> None:
             assert rustgym.make("CartPole").spec.id == "CartPole-v1"
     finally:
         gymnasium.logger.min_level = gymnasium.logger.ERROR
+    for name, version in (("CartPole", 1), ("Taxi", 4), ("LunarLander", 3), ("Ant", 5), ("MiniGrid-Empty-5x5", 0), ("dm_control/walker-walk", 0)):
+        env = rustgym.make(name)
+        assert isinstance(env.unwrapped, rustgym.Env) and env.spec.id == f"{name}-v{version}"
 
 
 def test_import_is_light() -> None:

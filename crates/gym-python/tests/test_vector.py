@@ -15,6 +15,12 @@ import rustgym
 KINDS = ["sync", "async", "native"]
 
 
+@pytest.mark.parametrize("env_id", ["CartPole-v1", "Taxi-v3", "Acrobot-v1", "MiniGrid-Empty-5x5-v0"])
+def test_an_unknown_argument_is_named(env_id: str) -> None:
+    with pytest.raises(TypeError, match=f"{env_id} got an unexpected keyword argument 'foo': it"):
+        rustgym.VectorEnv(env_id, 2, foo=3)
+
+
 @pytest.mark.parametrize("kind", KINDS)
 def test_forms(kind: str) -> None:
     envs = rustgym.VectorEnv("CartPole-v1", 5, kind=kind)

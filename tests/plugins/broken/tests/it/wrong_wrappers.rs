@@ -6,7 +6,7 @@ use std::sync::atomic::{AtomicU32, Ordering};
 use broken_envs as _;
 use gym_core::canvas::{Canvas, Transform};
 use gym_core::{
-    BoxEnv, Env, Error, Generator, Outcome, Reset, Result, Snapshot, Value, Wrapper, make,
+    BoxEnv, Env, EnvSpec, Error, Generator, Outcome, Reset, Result, Snapshot, Value, Wrapper, make,
 };
 use gym_render as _;
 
@@ -38,6 +38,8 @@ enum Fault {
     Allocation,
     /// Ends the first step of each episode.
     Truncation,
+    /// Doubles the observations, and says that its environment's spec is its own.
+    Spec,
 }
 
 /// Counts steps, and pays a little for each step.
@@ -116,7 +118,7 @@ impl Wrapper for Counts {
             && let Some([x, _]) = array.as_mut_slice::<f32>()
         {
             match self.fault {
-                Fault::Space => *x *= 2.0,
+                Fault::Space | Fault::Spec => *x *= 2.0,
                 Fault::Buffer => *x = (*x + 0.01 * old.unwrap_or(0.0)).clamp(-1.0, 1.0),
                 _ => {}
             }
@@ -172,6 +174,10 @@ impl Wrapper for Counts {
     fn on_close(&mut self) {
         self.inner.close();
     }
+
+    fn on_spec(&self) -> Option<EnvSpec> {
+        self.inner.spec().filter(|_| self.fault == Fault::Spec)
+    }
 }
 
 #[test]
@@ -190,6 +196,7 @@ fn wrong_wrappers_are_seen() {
         (Fault::Info, Some("info-constant")),
         (Fault::Allocation, Some("no-allocation")),
         (Fault::Truncation, Some("time-limit")),
+        (Fault::Spec, Some("observation-in-space")),
     ];
     // in threads, because the check of the clock waits for a second
     std::thread::scope(|scope| {

@@ -53,8 +53,8 @@ pub fn of_python(folder: &str) -> Option<PathBuf> {
     prefixes(active, &path).find_map(|prefix| installed(&prefix, folder))
 }
 
-/// The Python installations to look into, the first one first: the active virtual environment, and
-/// those of the folders of `PATH`.
+/// The Python installations to look into, in their order: `active`, `.venv` in the current folder, and
+/// the parent of each folder in `path` that has a `python3`.
 fn prefixes(active: Option<PathBuf>, path: &OsStr) -> impl Iterator<Item = PathBuf> {
     let of_path = env::split_paths(path).filter(|folder| folder.join("python3").exists());
     active

@@ -6,19 +6,23 @@ use super::{folder, json, prints, xtask};
 
 #[test]
 fn run_writes_episodes() {
-    let file = folder("run").join("episodes.json");
-    let path = file.to_str().unwrap();
-    prints(&[
-        "run",
-        "Pendulum-v1",
-        "--seeds",
-        "3..5",
-        "--kwargs",
-        r#"{"g": 9.81}"#,
-        "--json",
-        path,
-    ]);
-    let episodes = json(&file);
+    let run = |name: &str, seeds: &str| {
+        let file = folder(name).join("episodes.json");
+        let path = file.to_str().unwrap();
+        let kwargs = r#"{"g": 9.81}"#;
+        prints(&[
+            "run",
+            "Pendulum-v1",
+            "--seeds",
+            seeds,
+            "--kwargs",
+            kwargs,
+            "--json",
+            path,
+        ]);
+        json(&file)
+    };
+    let episodes = run("run", "3..5");
     let episodes = episodes.as_array().expect("a list");
     assert_eq!(episodes.len(), 2);
     assert_eq!(episodes[0]["seed"], 3);
@@ -33,20 +37,8 @@ fn run_writes_episodes() {
         "every reward is a cost: {sum}, {last}"
     );
     assert_eq!(episodes[0]["last_observation"].as_array().unwrap().len(), 3);
-    let again = folder("run-again").join("episodes.json");
-    let path = again.to_str().unwrap();
-    prints(&[
-        "run",
-        "Pendulum-v1",
-        "--seeds",
-        "4..5",
-        "--kwargs",
-        r#"{"g": 9.81}"#,
-        "--json",
-        path,
-    ]);
     assert_eq!(
-        json(&again)[0],
+        run("run-again", "4..5")[0],
         episodes[1],
         "an episode depends on its seed alone"
     );

@@ -203,8 +203,8 @@ pub(super) fn hfield(m: &Model, g: usize, place: (Vec3, &Mat3), point: Vec3, alo
         let all = cells(0, x, dx, columns);
         // a range of cells has one point more
         let points = |row: usize| data[row * columns..].get(all.start..=all.end);
-        let heights = [row, row + 1].into_iter().filter_map(points).flatten();
-        let heights = heights.copied();
+        let heights = [row, row + 1].into_iter().filter_map(points);
+        let heights = heights.flatten().copied();
         let lowest = f64::from(heights.clone().fold(f32::INFINITY, f32::min)) * height;
         let highest = f64::from(heights.fold(f32::NEG_INFINITY, f32::max)) * height;
         let meets = |part: &Range<usize>| {

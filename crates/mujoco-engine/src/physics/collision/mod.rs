@@ -126,10 +126,6 @@ pub(in crate::physics) fn touch(
         mat: places.frames[k].1,
         size: &m.geom_size[pair.geom[k]],
     });
-    let costly = pair.is_convex() || pair.kind == (GeomType::Box, GeomType::Box);
-    if costly && bounds::far_apart(m, pair, [a, b]) {
-        return;
-    }
     let first = contacts.len();
     let (margin, push) = (pair.margin, &mut |hit: Hit| {
         contacts.push(contact(pair, index, &hit));
@@ -145,11 +141,12 @@ pub(in crate::physics) fn touch(
         (GeomType::Sphere, GeomType::Box) => sphere_box((a.pos, a.size[0]), b, margin, push),
         (GeomType::Sphere, GeomType::Cylinder) => sphere_cylinder(a, b, margin, push),
         (GeomType::Capsule, GeomType::Box) => capsule_box(a, b, margin, push),
-        (GeomType::Box, GeomType::Box) => box_box(a, b, margin, push),
         (GeomType::Plane, GeomType::Ellipsoid) => {
             convex::plane_ellipsoid(a, b, margin, m.revision, push);
         }
         (GeomType::Plane, GeomType::Plane) => {} // never touch
+        _ if bounds::far_apart(m, pair, [a, b]) => {}
+        (GeomType::Box, GeomType::Box) => box_box(a, b, margin, push),
         _ => general(m, pair, [a, b], polytope, push),
     }
     if contacts.len() == first {

@@ -164,6 +164,21 @@ pub(super) fn update(
     rows: &mut [Lanes],
     adds: &[bool],
 ) -> bool {
+    match *adds {
+        // most updates are of one row, for which the compiler leaves out the loop over rows
+        [add] => update_columns(factor, n, stride, &mut rows[..stride], &[add]),
+        _ => update_columns(factor, n, stride, rows, adds),
+    }
+}
+
+#[inline(always)]
+fn update_columns(
+    factor: &mut [Lanes],
+    n: usize,
+    stride: usize,
+    rows: &mut [Lanes],
+    adds: &[bool],
+) -> bool {
     let mut definite = true;
     for k in 0..n {
         let (first, lane) = (k / 4, k % 4);

@@ -87,6 +87,7 @@ pub(super) fn solve(m: &Model, d: &mut Data) {
             stride: efc.stride(),
             d: &efc.d,
             aref: &efc.aref,
+            cold,
             row_costs: general.then_some(row_costs),
             sparse: m.plan().sparse,
         };
@@ -151,6 +152,8 @@ pub(super) struct Problem<'a> {
     stride: usize,
     pub(super) d: &'a [f64],
     aref: &'a [f64],
+    /// Whether the start is not that of the last step, for which `M x` is known.
+    cold: bool,
     /// For models with equality constraints, dry friction or elliptic cones.
     row_costs: Option<RowCosts<'a>>,
     /// Whether the matrices are those of [`Sparse`](super::sparse::Sparse).
@@ -256,13 +259,16 @@ fn solve_island(
     let mut inertia = 0.0;
     for (dofs, place) in problem.places() {
         b.acc.as_flattened_mut()[place.clone()].copy_from_slice(&qacc[dofs.clone()]);
+        b.ma.as_flattened_mut()[place.clone()].copy_from_slice(&b.ma_start[dofs.clone()]);
         b.smooth.as_flattened_mut()[place].copy_from_slice(&problem.qfrc_smooth[dofs.clone()]);
         for i in dofs {
             inertia += problem.qm[m.plan().m_diagonal(i)];
         }
     }
     let (scale, tolerance) = (1.0 / inertia, m.opt.tolerance);
-    problem.mul_m(&mut b.way, &b.acc, &mut b.ma);
+    if problem.cold {
+        problem.mul_m(&mut b.way, &b.acc, &mut b.ma);
+    }
     if !whole {
         b.jar.resize(nefc, 0.0);
         problem.mul_jacobian(&b.sparse, &b.acc, &mut b.jar);
@@ -457,15 +463,18 @@ fn update_hessian(problem: &Problem<'_>, b: &mut Buffers) -> bool {
     let mut definite = true;
     b.updates.clear();
     b.adds.clear();
-    for row in 0..b.jar.len() {
-        let pushes = match problem.row_costs {
-            None => b.jar[row] < 0.0,
-            Some(_) => b.states[row] == State::Quadratic,
+    let general = problem.row_costs.is_some();
+    let rows = b.pushes.iter_mut().zip(&b.jar).zip(&b.states);
+    for (row, ((known, jar), state)) in rows.enumerate() {
+        let pushes = if general {
+            *state == State::Quadratic
+        } else {
+            *jar < 0.0
         };
-        if pushes == b.pushes[row] {
+        if pushes == *known {
             continue;
         }
-        b.pushes[row] = pushes;
+        *known = pushes;
         let root = problem.d[row].sqrt();
         if problem.sparse {
             definite = definite && b.sparse.update(row, root, pushes, problem.m.revision);

@@ -197,7 +197,7 @@ impl SimEnv {
 
     /// Whether derived arrays are those of the new state after a step.
     fn settles(&self) -> bool {
-        self.simulation.stepper() == Stepper::Settled
+        self.simulation.stepper == Stepper::Settled
     }
 
     /// Returns the generator of a new episode, and whether the reset seeded it.

@@ -4,8 +4,10 @@ use std::sync::Arc;
 
 use gym_core::{Array, Error, Result};
 use mujoco_engine::lanes::{Derived, Stride};
-use mujoco_engine::model::{Disable, Integrator, SensorType};
-use mujoco_engine::physics::{forward, rne_post_constraint, step, step1, step2, substep};
+use mujoco_engine::model::{Integrator, SensorType};
+use mujoco_engine::physics::{
+    forward, forward_without_actuators, rne_post_constraint, step, step1, step2, substep, substep2,
+};
 use mujoco_engine::{CompiledModel, Data, Model};
 
 use crate::arguments::Common;
@@ -27,7 +29,8 @@ pub struct Simulation {
     pub dt: f64,
     /// The camera of rendered pictures.
     pub(crate) view: View,
-    scheme: Scheme,
+    /// When derived arrays are computed.
+    pub(crate) stepper: Stepper,
     /// The properties of a step; `None` if the task's worlds cannot step together.
     pub(crate) stride: Option<Stride>,
 }
@@ -45,57 +48,6 @@ pub enum Stepper {
     Settled,
 }
 
-/// A [`Stepper`] with the models that it needs.
-#[derive(Clone, Debug)]
-enum Scheme {
-    Behind { contact_forces: bool },
-    Settled(Variants),
-}
-
-/// Variants of a model whose steps settle.
-#[derive(Clone, Debug)]
-struct Variants {
-    /// The model without actuators, for computing initial states.
-    without_actuators: Arc<Model>,
-    /// The model without sensors, for timesteps whose sensors are not observed.
-    without_sensors: Arc<Model>,
-    /// Whether a sensor measures forces or accelerations. If so, the last timestep of a step must
-    /// compute the sensors.
-    senses_forces: bool,
-}
-
-impl Variants {
-    fn of(model: &Model) -> Result<Self> {
-        let without = |part: Disable| {
-            let mut compiled = CompiledModel::clone(model);
-            compiled.opt.disableflags |= part as u32;
-            Model::new(compiled).map(Arc::new).map_err(wrong)
-        };
-        use SensorType::{Accelerometer, Force, Torque, Touch};
-        let late = [Touch, Force, Torque, Accelerometer];
-        Ok(Self {
-            without_actuators: without(Disable::Actuation)?,
-            without_sensors: without(Disable::Sensor)?,
-            senses_forces: model.sensor_type.iter().any(|kind| late.contains(kind)),
-        })
-    }
-
-    /// The model of the last timestep of a step.
-    fn last<'a>(&'a self, model: &'a Model) -> &'a Model {
-        if self.senses_forces {
-            model
-        } else {
-            &self.without_sensors
-        }
-    }
-}
-
-/// Converts an error of the engine in a model that was changed.
-#[expect(clippy::needless_pass_by_value, reason = "`map_err` gives it")]
-fn wrong(error: mujoco_engine::Error) -> Error {
-    Error::argument("model", error.to_string())
-}
-
 impl Simulation {
     /// The model that `load` gives, stepped by `stepper`, with the frame skip and the camera of
     /// `arguments`.
@@ -110,25 +62,6 @@ impl Simulation {
     ) -> Result<Self> {
         arguments.check()?;
         let model = load()?;
-        let scheme = match stepper {
-            Stepper::Behind { contact_forces } => Scheme::Behind { contact_forces },
-            Stepper::Settled => Scheme::Settled(Variants::of(&model)?),
-        };
-        Self::of(model, scheme, arguments)
-    }
-
-    /// The same models with the frame skip and the camera of `arguments`, for environments that share
-    /// what was compiled.
-    ///
-    /// # Errors
-    /// [`Error::InvalidArgument`] for an argument out of range, and a camera or keyframe that the
-    /// model lacks.
-    pub fn with(&self, arguments: &Common) -> Result<Self> {
-        arguments.check()?;
-        Self::of(Arc::clone(&self.model), self.scheme.clone(), arguments)
-    }
-
-    fn of(model: Arc<Model>, scheme: Scheme, arguments: &Common) -> Result<Self> {
         let view = arguments.view(&model)?;
         let named = arguments.keyframe.as_deref();
         Ok(Self {
@@ -138,16 +71,16 @@ impl Simulation {
             dt: model.opt.timestep * arguments.frame_skip as f64,
             model,
             view,
-            scheme,
+            stepper,
             stride: None,
         })
     }
 
     /// Lets worlds step together, for a task that reads the derived arrays `reads` after a step.
     pub(crate) fn read(&mut self, reads: &[Derived]) {
-        let (settles, contact_forces) = match &self.scheme {
-            Scheme::Behind { contact_forces } => (false, *contact_forces),
-            Scheme::Settled(_) => (true, true),
+        let (settles, contact_forces) = match self.stepper {
+            Stepper::Behind { contact_forces } => (false, contact_forces),
+            Stepper::Settled => (true, true),
         };
         let computed = |array: &Derived| {
             settles || array.is_known(&self.model) && (contact_forces || *array != Derived::CfrcExt)
@@ -167,17 +100,6 @@ impl Simulation {
         stride.is_none_or(|stride| stride.reads.contains(&array))
     }
 
-    /// When derived arrays are computed.
-    #[must_use]
-    pub fn stepper(&self) -> Stepper {
-        match &self.scheme {
-            Scheme::Behind { contact_forces } => Stepper::Behind {
-                contact_forces: *contact_forces,
-            },
-            Scheme::Settled(_) => Stepper::Settled,
-        }
-    }
-
     /// Whether pictures are seen from a free camera, which
     /// [`turn_camera`](crate::SimEnv::turn_camera) turns.
     #[must_use]
@@ -189,11 +111,8 @@ impl Simulation {
     pub(crate) fn change(&mut self, change: impl FnOnce(&mut CompiledModel)) -> Result<()> {
         let mut compiled = CompiledModel::clone(&self.model);
         change(&mut compiled);
-        let model = Model::new(compiled).map(Arc::new).map_err(wrong)?;
-        if let Scheme::Settled(variants) = &mut self.scheme {
-            *variants = Variants::of(&model)?;
-        }
-        self.model = model;
+        let wrong = |error: mujoco_engine::Error| Error::argument("model", error.to_string());
+        self.model = Model::new(compiled).map(Arc::new).map_err(wrong)?;
         Ok(())
     }
 
@@ -228,9 +147,9 @@ impl Simulation {
     /// Computes the derived arrays of a state that was set. (dm_control does so without the
     /// actuators.)
     pub(crate) fn settle(&self, data: &mut Data) {
-        match &self.scheme {
-            Scheme::Behind { .. } => forward(&self.model, data),
-            Scheme::Settled(variants) => forward(&variants.without_actuators, data),
+        match self.stepper {
+            Stepper::Behind { .. } => forward(&self.model, data),
+            Stepper::Settled => forward_without_actuators(&self.model, data),
         }
     }
 
@@ -254,38 +173,18 @@ impl Simulation {
     /// Advances the state by some timesteps, at least one.
     pub(crate) fn advance(&self, data: &mut Data, timesteps: usize) {
         let model = &*self.model;
-        let variants = match &self.scheme {
-            Scheme::Behind { contact_forces } => {
+        match self.stepper {
+            Stepper::Behind { contact_forces } => {
                 for _ in 1..timesteps {
                     substep(model, data);
                 }
                 step(model, data);
-                if *contact_forces {
+                if contact_forces {
                     rne_post_constraint(model, data);
                 }
-                return;
             }
-            Scheme::Settled(variants) => variants,
-        };
-        let last = variants.last(model);
-        let of = |timestep: usize| {
-            if timestep + 1 == timesteps {
-                last
-            } else {
-                &variants.without_sensors
-            }
-        };
-        let mut steps = 0..timesteps;
-        // `step1` of this timestep is already done, except after a step that was taken together
-        // with other worlds
-        if model.opt.integrator != Integrator::RK4 && !data.has_stale_arrays() {
-            steps.next();
-            step2(of(0), data);
+            Stepper::Settled => settled(model, data, timesteps),
         }
-        for timestep in steps {
-            substep(of(timestep), data);
-        }
-        step1(model, data);
     }
 
     /// Frames per second in real time.
@@ -349,4 +248,25 @@ impl Simulation {
         let reason = format!("the model has {there_are} {what}, the task needs {at_least}");
         Err(Error::argument("xml_file", reason))
     }
+}
+
+/// Advances the state by some timesteps, and computes the derived arrays of the new state.
+fn settled(m: &Model, data: &mut Data, timesteps: usize) {
+    use SensorType::{Accelerometer, Force, Torque, Touch};
+    // the last timestep measures forces and accelerations, which `step1` does not
+    let late = [Touch, Force, Torque, Accelerometer];
+    let measures = m.sensor_type.iter().any(|kind| late.contains(kind));
+    // `step1` of the first timestep is already done, except after a step that was taken together
+    // with other worlds
+    let is_begun = m.opt.integrator != Integrator::RK4 && !data.has_stale_arrays();
+    for timestep in 1..=timesteps {
+        let part = match (timestep == 1 && is_begun, timestep == timesteps && measures) {
+            (true, true) => step2,
+            (true, false) => substep2,
+            (false, true) => step,
+            (false, false) => substep,
+        };
+        part(m, data);
+    }
+    step1(m, data);
 }

@@ -272,7 +272,7 @@ impl Plan {
             let deep = plan.pairs.iter().any(Pair::is_convex) || m.sensor_type.iter().any(measured);
             deep.then(|| Polygons::new(m))
         };
-        let paths = plan.measures || plan.paths.fixed.contains(&false);
+        let paths = plan.paths.fixed.contains(&false);
         plan.geoms_read =
             vec![paths || m.geom_fluid.iter().any(|fluid| fluid.0[0] != 0.0); m.ngeom()];
         for g in plan.pairs.iter().flat_map(|pair| pair.geom) {

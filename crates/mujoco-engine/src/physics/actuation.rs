@@ -10,9 +10,9 @@ use crate::{Data, Model};
 #[inline(always)]
 pub fn fwd_actuation(m: &Model, d: &mut Data) {
     d.qfrc_actuator.fill(0.0);
-    let Some(motors) = &m.plan().motors else {
-        general(m, d);
-        return;
+    let motors = match &m.plan().motors {
+        Some(motors) if !d.work.unactuated => motors,
+        _ => return general(m, d),
     };
     let mut bad = false;
     for ((motor, ctrl), force) in motors.iter().zip(&d.ctrl).zip(&mut d.actuator_force) {
@@ -34,7 +34,7 @@ pub fn fwd_actuation(m: &Model, d: &mut Data) {
 fn general(m: &Model, d: &mut Data) {
     d.actuator_force.fill(0.0);
     // without actuators, joints with `actuatorgravcomp` have no gravity compensation at all
-    if m.nu() == 0 || m.opt.disables(Disable::Actuation) {
+    if m.nu() == 0 || d.work.unactuated || m.opt.disables(Disable::Actuation) {
         return;
     }
     let mut ctrl = std::mem::take(&mut d.work.ctrl);

@@ -142,33 +142,35 @@ pub(crate) enum Call {
 /// If the data is of another model.
 pub fn step(m: &Model, d: &mut Data) {
     d.begin_call(m, Call::Step);
-    advance(m, d);
+    advance(m, d, m.plan().measures);
 }
 
 /// A timestep that another follows: it computes only what the next one needs. Unlike [`step`], it
-/// does not store its start, so a snapshot taken after it holds only the state; and frames of geoms
-/// and sites that no stage reads keep their old values.
+/// does not store its start, so a snapshot taken after it holds only the state; and sensors, energy
+/// and frames of geoms and sites that no stage reads keep their old values.
 ///
 /// # Panics
 /// If the data is of another model.
 pub fn substep(m: &Model, d: &mut Data) {
     d.begin_substep(m);
-    advance(m, d);
+    advance(m, d, false);
 }
 
-fn advance(m: &Model, d: &mut Data) {
+fn advance(m: &Model, d: &mut Data, measures: bool) {
     reset_diverged(m, d);
     let in_stages = m.opt.integrator == Integrator::RK4;
     let skips = d.work.skips;
     // RK4 computes further stages below, and the frames of the last stage remain
-    d.work.skips |= in_stages;
+    d.work.skips |= in_stages && !measures;
     evaluate(m, d);
     if diverged(&d.qacc) {
         d.clear(m);
         evaluate(m, d);
     }
     d.work.skips = skips;
-    measure(m, d, &ALL);
+    if measures {
+        measure(m, d, &ALL);
+    }
     if in_stages {
         runge_kutta(m, d);
     } else {
@@ -194,9 +196,23 @@ pub fn step1(m: &Model, d: &mut Data) {
 /// # Panics
 /// If the data is of another model.
 pub fn step2(m: &Model, d: &mut Data) {
+    finish_step(m, d, m.plan().measures);
+}
+
+/// [`step2`] of a timestep that another follows: sensors keep their old values.
+///
+/// # Panics
+/// If the data is of another model.
+pub fn substep2(m: &Model, d: &mut Data) {
+    finish_step(m, d, false);
+}
+
+fn finish_step(m: &Model, d: &mut Data, measures: bool) {
     d.continue_step(m);
     last_stages(m, d);
-    measure(m, d, &[Stage::Acceleration]);
+    if measures {
+        measure(m, d, &[Stage::Acceleration]);
+    }
     if diverged(&d.qacc) {
         d.clear(m);
         evaluate(m, d);
@@ -213,6 +229,16 @@ pub fn forward(m: &Model, d: &mut Data) {
     d.begin_call(m, Call::Forward);
     evaluate(m, d);
     measure(m, d, &ALL);
+}
+
+/// [`forward`] as with the flag `actuation` disabled.
+///
+/// # Panics
+/// If the data is of another model.
+pub fn forward_without_actuators(m: &Model, d: &mut Data) {
+    d.work.unactuated = true;
+    forward(m, d);
+    d.work.unactuated = false;
 }
 
 /// Computes `qfrc_inverse`, the forces that cause the accelerations `qacc`: MuJoCo's `mj_inverse`.

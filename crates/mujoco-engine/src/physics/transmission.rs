@@ -79,7 +79,7 @@ pub(crate) fn moment(d: &Data, actuator: usize, nv: usize) -> Vec<f64> {
 
 /// Computes `actuator_velocity`, which is 0 without actuation.
 pub fn transmission_velocity(m: &Model, d: &mut Data) {
-    if m.opt.disables(Disable::Actuation) {
+    if d.work.unactuated || m.opt.disables(Disable::Actuation) {
         d.actuator_velocity.fill(0.0);
         return;
     }

@@ -18,6 +18,8 @@ pub(crate) struct Work {
     pub(crate) pushed: bool,
     /// Whether to leave out frames of geoms and sites that no stage reads.
     pub(crate) skips: bool,
+    /// Whether actuators are as if they were disabled.
+    pub(crate) unactuated: bool,
     /// Composite inertias.
     pub(crate) crb: Vec<[f64; 10]>,
     /// Motion axes on the path from the root to a degree of freedom: four at a time, by components.
@@ -94,6 +96,7 @@ impl Work {
             sizes: Some(m.plan().sizes),
             pushed: false,
             skips: false,
+            unactuated: false,
             crb: vec![[0.0; 10]; m.nbody()],
             axes: vec![[[0.0; 4]; 6]; m.plan().m_groups],
             way: Way::new(m),

@@ -22,5 +22,6 @@ mod rays;
 mod sleep;
 mod sparse;
 mod steps;
+mod substeps;
 mod textures;
 mod worlds;

@@ -58,8 +58,9 @@ pub(crate) struct Batch {
     /// [`Stride::settles`], and the number of elements of `sensordata` that a step computes.
     settles: bool,
     sensors: usize,
-    /// Whether the task reads frames of geoms or sites.
+    /// Whether the task or a sensor reads frames of geoms or sites, and whether a touch sensor does.
     reads_frames: bool,
+    feels: bool,
     /// A buffer: the contact forces on the bodies of one world.
     cfrc_ext: Vec<[f64; 6]>,
     /// A bit for each world: 1 if the world diverged.
@@ -118,18 +119,21 @@ impl Batch {
     /// Allocates worlds whose steps are of the kind `stride`.
     pub(crate) fn new(m: &Model, stride: &Stride) -> Self {
         let sensors = stride.sensors();
-        let keeps = stride.reads.contains(&Derived::CfrcExt) || sensors::touch(m, sensors);
+        let feels = sensors::touch(m, sensors);
+        let keeps = stride.reads.contains(&Derived::CfrcExt) || feels;
+        let of_frames = |array: &Derived| {
+            matches!(
+                array,
+                Derived::GeomXpos | Derived::GeomXmat | Derived::SiteXpos
+            )
+        };
         Self {
             arrays: Arrays::new(m),
             rows: Rows::new(m, keeps, !fits::makes_rows(m)),
             settles: stride.settles,
             sensors,
-            reads_frames: stride.reads.iter().any(|array| {
-                matches!(
-                    array,
-                    Derived::GeomXpos | Derived::GeomXmat | Derived::SiteXpos
-                )
-            }),
+            reads_frames: sensors > 0 || stride.reads.iter().any(of_frames),
+            feels,
             method: Method::new(m),
             cfrc_ext: vec![[0.0; 6]; m.nbody()],
             diverged: 0,
@@ -230,8 +234,14 @@ impl Batch {
                 }
             }
             for step in 1..=steps {
-                // compute all frames in the last timestep, unless `settle` computes them again
-                let whole = self.reads_frames && !self.settles && step == steps;
+                // all frames in the last timestep, unless `settle` computes them again; touch sensors
+                // read those of its start
+                let reads = if self.settles {
+                    self.feels
+                } else {
+                    self.reads_frames
+                };
+                let whole = reads && step == steps;
                 self.one_step(m, at, live, whole);
             }
             simd.vectorize(

@@ -41,8 +41,7 @@ pub(super) fn touch(m: &Model, numbers: usize) -> bool {
 impl Batch {
     /// Computes the frames of the new state and the sensors, for the worlds in the register.
     pub(super) fn settle<S: Simd>(&mut self, m: &Model, at: At<S>, len: usize) {
-        // touch sensors need the forces and contacts of the last timestep, and the frames of its
-        // start
+        // touch sensors need the forces, contacts and frames of the last timestep
         self.touch_sensors(m, at.1..len.min(at.1 + Lanes::<S>::LANES));
         let (simd, sensors, whole) = (at.0, self.sensors, self.reads_frames);
         simd.vectorize(

@@ -1,15 +1,13 @@
 //! Domains, and how their environments are made and registered.
 
 use std::borrow::Cow;
-use std::collections::BTreeMap;
 use std::marker::PhantomData;
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::Arc;
 
 use gym_core::registry::{Build, Clip, Exceptions};
 use gym_core::spaces::BoxSpace;
-use gym_core::{Arguments, Error, Registration, Result};
+use gym_core::{Arguments, Registration, Result};
 use gym_sim::{Common as Camera, Settings, SimEnv, SimTask, Simulation, Stepper};
-use mujoco_engine::{Model, Revision};
 
 use crate::arguments::Common;
 use crate::look;
@@ -58,31 +56,6 @@ pub fn make<D: Domain>(config: &D::Config) -> Result<SimEnv> {
     SimEnv::new(task, simulation, settings)
 }
 
-/// Compiled models by text and revision, for environments that are made later.
-static COMPILED: Mutex<BTreeMap<(String, Revision), Simulation>> = Mutex::new(BTreeMap::new());
-
-/// The most compiled models that are kept: more than all tasks have with their default arguments.
-const KEPT: usize = 64;
-
-/// Compiles a model, or takes the compiled one.
-fn compiled(text: &str, revision: Revision) -> Result<Simulation> {
-    let mut all = COMPILED.lock().unwrap_or_else(PoisonError::into_inner);
-    let key = (text.to_owned(), revision);
-    if let Some(known) = all.get(&key) {
-        return Ok(known.clone());
-    }
-    let load = || {
-        let model = Model::from_xml_with(text, revision);
-        let wrong = |error: mujoco_engine::Error| Error::argument("model", error.to_string());
-        model.map(Arc::new).map_err(wrong)
-    };
-    let simulation = Simulation::new(load, &Camera::default(), Stepper::Settled)?;
-    if all.len() < KEPT {
-        all.insert(key, simulation.clone());
-    }
-    Ok(simulation)
-}
-
 /// Makes the model, and completes the settings by the shared arguments.
 fn parts(
     text: String,
@@ -90,16 +63,17 @@ fn parts(
     common: &Common,
     mut settings: Settings,
 ) -> Result<(Simulation, Settings)> {
-    let simulation = compiled(&text, common.mujoco.0)?;
-    common.check(&simulation.model)?;
-    let simulation = simulation.with(&Camera {
+    let model = gym_sim::compile(&text, common.mujoco.0)?;
+    common.check(&model)?;
+    let camera = Camera {
         xml_file: text,
         frame_skip: timesteps,
         camera_id: Some(common.camera_id),
         width: common.width,
         height: common.height,
         ..Camera::default()
-    })?;
+    };
+    let simulation = Simulation::new(|| Ok(model), &camera, Stepper::Settled)?;
     let m = &simulation.model;
     let ranges = m.actuator_ctrlrange.iter().zip(&m.actuator_ctrllimited);
     let bounds = |side: usize| -> Vec<f64> {

@@ -1,6 +1,6 @@
 //! The models of the tasks.
 
-use std::sync::{Arc, OnceLock};
+use std::sync::Arc;
 
 use gym_core::{Error, Result};
 
@@ -35,10 +35,6 @@ const MODELS: [(&str, &str); 13] = [
     ("walker2d_v5.xml", include_str!("../models/walker2d_v5.xml")),
 ];
 
-/// The built-in models for each of [`Revision::ALL`], compiled on first use.
-static COMPILED: [[OnceLock<Arc<Model>>; Revision::ALL.len()]; MODELS.len()] =
-    [const { [const { OnceLock::new() }; Revision::ALL.len()] }; MODELS.len()];
-
 /// The names and the MJCF texts of the built-in models.
 pub fn models() -> impl Iterator<Item = (&'static str, &'static str)> {
     MODELS.into_iter()
@@ -54,17 +50,12 @@ pub fn load(xml_file: &str, revision: Revision) -> Result<Arc<Model>> {
     if xml_file.starts_with(['<', '.', '/', '~']) {
         return gym_sim::load(xml_file, revision);
     }
-    let Some(index) = MODELS.iter().position(|(name, _)| *name == xml_file) else {
+    let Some((_, text)) = models().find(|(name, _)| *name == xml_file) else {
         let reason = format!(
             "there is no built-in model {xml_file:?}: the models are {}; a file's path begins with `.`, `/` or `~`",
             MODELS.map(|(name, _)| name).join(", ")
         );
         return Err(Error::argument("xml_file", reason));
     };
-    let compiled = &COMPILED[index][revision as usize];
-    if let Some(model) = compiled.get() {
-        return Ok(Arc::clone(model));
-    }
-    let model = gym_sim::load(MODELS[index].1.trim_start(), revision)?;
-    Ok(Arc::clone(compiled.get_or_init(|| model)))
+    gym_sim::compile(text.trim_start(), revision)
 }

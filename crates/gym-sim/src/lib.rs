@@ -32,7 +32,7 @@ pub use arguments::{Common, TaskArguments};
 pub use entry::{Entry, Family, FromArguments, Own, names, register};
 pub use env::SimEnv;
 pub use keyframe::{keyframe, keyframes};
-pub use load::{load, text};
+pub use load::{compile, load, text};
 pub use mujoco_engine as engine;
 pub use naming::Naming;
 pub use observation::Observation;

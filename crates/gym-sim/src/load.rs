@@ -1,7 +1,8 @@
-//! Models from the argument `xml_file`.
+//! Models from the argument `xml_file`, and those of tasks.
 
+use std::collections::BTreeMap;
 use std::path::PathBuf;
-use std::sync::Arc;
+use std::sync::{Arc, Mutex, PoisonError};
 
 use gym_core::{Error, Result};
 use mujoco_engine::{Model, Revision};
@@ -21,6 +22,33 @@ pub fn load(xml_file: &str, revision: Revision) -> Result<Arc<Model>> {
         Ok(model) => Ok(Arc::new(model)),
         Err(error) => Err(Error::argument("xml_file", error.to_string())),
     }
+}
+
+/// The models of [`compile`] by text, for each of [`Revision::ALL`].
+static COMPILED: [Mutex<BTreeMap<String, Arc<Model>>>; Revision::ALL.len()] =
+    [const { Mutex::new(BTreeMap::new()) }; Revision::ALL.len()];
+
+/// The most compiled models that are kept: more than all tasks have with their default arguments.
+const KEPT: usize = 256;
+
+/// Compiles a task's own model, which reads no file, once for all environments.
+///
+/// # Errors
+/// [`Error::InvalidArgument`] for what is not a model.
+pub fn compile(text: &str, revision: Revision) -> Result<Arc<Model>> {
+    let known = || {
+        let compiled = &COMPILED[revision as usize];
+        compiled.lock().unwrap_or_else(PoisonError::into_inner)
+    };
+    if let Some(model) = known().get(text) {
+        return Ok(Arc::clone(model));
+    }
+    let model = load(text, revision)?;
+    let mut known = known();
+    if known.len() < KEPT {
+        known.insert(text.to_owned(), Arc::clone(&model));
+    }
+    Ok(model)
 }
 
 /// Returns the text of a model, to be changed before it is loaded: `xml_file` as in [`load`].

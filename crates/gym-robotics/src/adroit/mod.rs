@@ -117,7 +117,7 @@ impl<S: Skill> Build for Entry<S> {
             default_camera_config: CameraConfig::at([0.0, -0.15, 0.15], distance, azimuth, -30.0),
             ..config.common.clone()
         };
-        let load = || gym_sim::load(&common.xml_file, common.mujoco.0);
+        let load = || gym_sim::compile(&common.xml_file, common.mujoco.0);
         let stepper = Stepper::Behind {
             contact_forces: true,
         };

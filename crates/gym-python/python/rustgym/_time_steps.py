@@ -2,17 +2,15 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
+import gymnasium
 import numpy as np
-import numpy.typing as npt
 from gymnasium.vector import AutoresetMode
 
+from rustgym import _native
 from rustgym._specs import class_of
 from rustgym._step_type import StepType
-
-if TYPE_CHECKING:
-    from rustgym.vector_env import VectorEnv
 
 __all__ = ["TimeSteps"]
 
@@ -24,13 +22,27 @@ class TimeSteps:
     """Adds a vector's time steps to its infos.
 
     Args:
+        native: The native vector.
         num_envs: How many environments there are.
+        autoreset_mode: When an environment whose episode has ended is reset.
         max_episode_steps: The limit around each environment, which dm_env's time steps do not know of; ``None`` or -1 for none.
         env_id: The id of the environments.
         kwargs: Their arguments.
     """
 
-    def __init__(self, num_envs: int, max_episode_steps: int | None, env_id: str, kwargs: dict[str, Any]) -> None:
+    def __init__(
+        self,
+        native: _native.Vector,
+        num_envs: int,
+        autoreset_mode: AutoresetMode,
+        max_episode_steps: int | None,
+        env_id: str,
+        kwargs: dict[str, Any],
+    ) -> None:
+        self._native, self._mode = native, autoreset_mode
+        # makes columns of infos as Gymnasium's vectors do
+        self._envs: gymnasium.vector.VectorEnv[Any, Any, Any] = gymnasium.vector.VectorEnv()
+        self._envs.num_envs = num_envs
         # an environment has taken as many steps as both numbers say together
         self._elapsed = np.zeros(num_envs, np.int64)
         self._together = 0
@@ -48,21 +60,28 @@ class TimeSteps:
             if max_episode_steps < np.round((env.arguments["time_limit"] or np.inf) / env.dt):
                 self._limit = max_episode_steps
 
-    def reset(self, envs: VectorEnv, infos: dict[str, Any], mask: list[bool] | None) -> None:
+    def reset(self, infos: dict[str, Any], mask: list[bool] | None) -> None:
         """Adds to the infos of a reset of the environments with a true value in ``mask``."""
-        started = np.flatnonzero(np.ones(envs.num_envs) if mask is None else mask)
+        started = np.flatnonzero(np.ones(self._envs.num_envs) if mask is None else mask)
         self._elapsed[started], self._has_ended[started] = -self._together, False
-        for index in started:
-            envs._add_info(infos, _START, index)
+        for index in started.tolist():
+            self._envs._add_info(infos, _START, index)
 
-    def step(self, envs: VectorEnv, terminated: Any, truncated: Any, infos: dict[str, Any], ids: Any = None) -> None:
+    def step(self, actions: Any) -> Any:
+        """The vector's step, if nothing else is to be added to the native one."""
+        result = self._native.step(actions, self.ongoing)
+        self.add(*result[2:])
+        return result
+
+    def add(self, terminated: Any, truncated: Any, infos: dict[str, Any], ids: Any = None) -> None:
         """Adds to the infos of a step of the environments ``ids``; of all unless given."""
         if _DISCOUNT in infos:  # they have `ongoing`, as in most steps
             self._together += 1
             return
+        envs, mode = self._envs, self._mode
         ended = terminated | truncated
         rows = np.arange(envs.num_envs) if ids is None else np.asarray(ids)
-        mode, due = envs.autoreset_mode, self._has_ended[rows]
+        due = self._has_ended[rows]
         self._elapsed[rows] += 1
         self._has_ended[rows] = ended
         self.ongoing = None if self._has_ended.any() else self._mid_columns

@@ -205,7 +205,7 @@ class VectorEnv(gymnasium.vector.VectorEnv[Any, Any, Any]):
         is_of_suite = spec_of(env_id)["crate"] == "gym-control"
         # the module imports dm_env, if that is installed
         steps = import_module("rustgym._time_steps").TimeSteps if is_of_suite else None
-        self._time_steps = steps and steps(num_envs, max_episode_steps, env_id, kwargs)
+        self._time_steps = steps and steps(self._native, num_envs, self.autoreset_mode, max_episode_steps, env_id, kwargs)
         self._seeds = None if seeds is None else Seeds(seeds, self.autoreset_mode)
         self._watch()
 
@@ -251,7 +251,7 @@ class VectorEnv(gymnasium.vector.VectorEnv[Any, Any, Any]):
             self._push_envs()
         result = self._native.reset(one, each, known, mask)
         if self._time_steps is not None:
-            self._time_steps.reset(self, result[1], mask)
+            self._time_steps.reset(result[1], mask)
         if self._envs is not None:
             self._follow_envs(is_reset=True)
         return result
@@ -285,21 +285,24 @@ class VectorEnv(gymnasium.vector.VectorEnv[Any, Any, Any]):
         ongoing = time_steps and time_steps.ongoing
         result = native.step(actions, ongoing) if seeds is None else seeds.step(native, actions, self.num_envs, ongoing)
         if time_steps is not None:
-            time_steps.step(self, *result[2:])
+            time_steps.add(*result[2:])
         if self._envs is not None:
             self._follow_envs(is_reset=False)
         return result
 
     def _watch(self) -> None:
-        # if there is nothing to synchronize, `step` becomes the native method itself, which saves a call
+        # if there is nothing to synchronize, `step` becomes the native method itself, or that of its time steps, which saves a call
         own = self.__dict__
-        if "step" in own and not isinstance(getattr(own["step"], "__self__", None), _native.Vector):
+        if "step" in own and not self._steps_natively():
             return  # a user has set `step`
-        has_more = self._seeds is not None or self._time_steps is not None
-        if self._envs is not None or has_more or type(self).step is not VectorEnv.step:
+        if self._envs is not None or self._seeds is not None or type(self).step is not VectorEnv.step:
             own.pop("step", None)
         else:
-            own["step"] = self._native.step
+            own["step"] = (self._time_steps or self._native).step
+
+    def _steps_natively(self) -> bool:
+        owner = getattr(self.__dict__.get("step"), "__self__", None)
+        return owner is not None and owner in (self._native, self._time_steps)
 
     def send(self, actions: Any, env_ids: Sequence[int] | npt.NDArray[np.integer[Any]] | None = None) -> None:
         """Lets some environments of an async vector take a step, and returns at once.
@@ -328,7 +331,7 @@ class VectorEnv(gymnasium.vector.VectorEnv[Any, Any, Any]):
         for index, info in zip(ids, infos, strict=True):
             columns = self._add_info(columns, info, index)
         if self._time_steps is not None:
-            self._time_steps.step(self, *results[2:], columns, ids)
+            self._time_steps.add(*results[2:], columns, ids)
         columns["env_id"] = np.array(ids)
         return (*results, columns)
 
@@ -384,7 +387,7 @@ class VectorEnv(gymnasium.vector.VectorEnv[Any, Any, Any]):
 
     def __getstate__(self) -> dict[str, Any]:
         state = dict(self.__dict__)
-        if isinstance(getattr(state.get("step"), "__self__", None), _native.Vector):
+        if self._steps_natively():
             del state["step"]
         if self._envs is None:
             return state

@@ -147,19 +147,29 @@ impl DictSpace {
         let Value::Dict(entries) = value else {
             return Err(Fault::kind("a dict", value));
         };
+        let in_order = self.has_keys(entries);
+        if !in_order {
+            self.check_keys(entries)?;
+        }
+        let members = self.spaces.iter().enumerate();
+        Ok(members.filter_map(move |(i, (key, space))| match in_order {
+            true => Some((space, &entries[i].1)),
+            false => Some((space, value.get(key)?)),
+        }))
+    }
+
+    fn check_keys(&self, entries: &[(String, Value)]) -> Result<(), Fault> {
         if let Some((key, _)) = entries.iter().find(|(key, _)| self.get(key).is_none()) {
             return Err(Fault::new(format!("the space has no key {key:?}")));
         }
         if entries.len() > self.spaces.len() {
             return Err(Fault::new("a key occurs twice"));
         }
-        if let Some((key, _)) = self.spaces.iter().find(|(key, _)| value.get(key).is_none()) {
-            return Err(Fault::new(format!("the key {key:?} is missing")));
+        let has = |name: &str| entries.iter().any(|(key, _)| key == name);
+        match self.spaces.iter().find(|(key, _)| !has(key)) {
+            Some((key, _)) => Err(Fault::new(format!("the key {key:?} is missing"))),
+            None => Ok(()),
         }
-        Ok(self
-            .spaces
-            .iter()
-            .filter_map(|(key, space)| Some((space, value.get(key)?))))
     }
 
     pub(super) fn draw<T: Weight>(

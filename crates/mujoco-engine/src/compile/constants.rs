@@ -160,15 +160,23 @@ fn add_inertia(m: &mut CompiledModel) -> Result<Box<Data>> {
     m.body_invweight0 = vec![[0.0; 2]; m.nbody()];
     let general = without_simple_dofs(m)?;
     let mut d = Box::new(Data::new(&general));
-    initial_inertia(&general, &mut d);
-    for i in 0..m.nv() {
-        m.dof_m0[i] = d.qm[general.plan().m_row(i).end - 1];
-    }
+    kinematics(&general, &mut d);
+    com_pos(&general, &mut d);
+    crb(&general, &mut d);
+    let diagonal = |d: &Data| -> Vec<f64> {
+        let last = |i| general.plan().m_row(i).end - 1;
+        (0..m.nv()).map(|i| d.qm[last(i)]).collect()
+    };
+    let without_tendons = diagonal(&d);
+    // the inertia along tendons counts in all other constants
+    tendon(&general, &mut d);
+    crb(&general, &mut d);
     m.stat.meaninertia = if m.nv() == 0 {
         1.0
     } else {
-        m.dof_m0.iter().sum::<f64>() / m.nv() as f64
+        diagonal(&d).iter().sum::<f64>() / m.nv() as f64
     };
+    m.dof_m0 = without_tendons;
     Ok(d)
 }
 
@@ -176,12 +184,6 @@ fn without_simple_dofs(m: &CompiledModel) -> Result<Box<Model>> {
     let mut m = m.clone();
     m.dof_simplenum.fill(0);
     boxed(m)
-}
-
-fn initial_inertia(m: &Model, d: &mut Data) {
-    kinematics(m, d);
-    com_pos(m, d);
-    crb(m, d);
 }
 
 /// Factors the inertia matrix again, now with the diagonals of simple bodies.

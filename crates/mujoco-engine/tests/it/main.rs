@@ -9,6 +9,7 @@ mod compiled;
 mod contacts;
 mod copies;
 mod defaults;
+mod fields;
 mod frames;
 mod hfields;
 mod language;

@@ -1,0 +1,120 @@
+//! Each attribute changes the fields of a model that it changes in libmujoco, to the same numbers.
+//! `recorded/fields.py` recorded them.
+
+use std::collections::BTreeMap;
+
+use mujoco_engine::{Model, Revision};
+use serde_json::Value;
+
+/// Returns the model of a recording: `text` stands at `@place`, and what is in parentheses at others.
+fn model(base: &str, place: &str, text: &str) -> String {
+    let mut parts = base.split('@');
+    let mut model = parts.next().unwrap_or_default().to_owned();
+    for part in parts {
+        let end = part.find(|c: char| !c.is_alphanumeric()).unwrap();
+        let (name, rest) = part.split_at(end);
+        let (own, rest) = match rest.strip_prefix('(') {
+            Some(rest) => rest.split_once(')').unwrap(),
+            None => ("", rest),
+        };
+        model += if name == place { text } else { own };
+        model += rest;
+    }
+    model
+}
+
+/// Appends the numbers in a value; returns whether it has no others.
+fn flatten(value: &Value, numbers: &mut Vec<u64>) -> bool {
+    match value {
+        Value::Bool(is) => numbers.push(f64::from(u8::from(*is)).to_bits()),
+        Value::Number(number) => numbers.push(number.as_f64().unwrap().to_bits()),
+        Value::Array(parts) => return parts.iter().all(|part| flatten(part, numbers)),
+        _ => return false,
+    }
+    true
+}
+
+type Fields = BTreeMap<String, Vec<u64>>;
+
+/// The numbers of each field.
+fn fields(value: &Value) -> Fields {
+    let mut fields = Fields::new();
+    for (name, value) in value.as_object().unwrap() {
+        let mut numbers = Vec::new();
+        if flatten(value, &mut numbers) {
+            fields.insert(name.clone(), numbers);
+        } else if ["opt", "stat"].contains(&&**name) {
+            for (own, numbers) in self::fields(value) {
+                fields.insert(format!("{name}.{own}"), numbers);
+            }
+        }
+    }
+    fields
+}
+
+fn is_of_meshes(field: &str) -> bool {
+    field.starts_with("mesh_") || ["geom_aabb", "geom_dataid"].contains(&field)
+}
+
+#[test]
+fn attributes_change_the_fields_that_they_change_in_libmujoco() {
+    let recorded: Value = serde_json::from_str(include_str!("../recorded/fields.json")).unwrap();
+    let base = recorded["base"].as_str().unwrap();
+    let rows = recorded["rows"].as_array().unwrap();
+    let (mut before, mut known) = (Vec::<Fields>::new(), Fields::new());
+    let mut wrong = Vec::new();
+    for (version, expected) in recorded["versions"].as_object().unwrap() {
+        let revision: Revision = version.parse().unwrap();
+        let own = |place: &str, text: &str| {
+            let model = Model::from_xml_with(&model(base, place, text), revision)
+                .unwrap_or_else(|error| panic!("{version}, {place} {text}: {error}"));
+            fields(&serde_json::to_value(&*model).unwrap())
+        };
+        known.extend(fields(&expected["plain"]));
+        let mut plain = own("", "");
+        plain.retain(|name, _| known.contains_key(name));
+        assert!(plain.len() > 150, "{} fields", plain.len());
+        let mut compare = |place: &str, name: &str, own: &[u64], known: &[u64]| {
+            if own != known {
+                let [own, known] = [own, known]
+                    .map(|bits| -> Vec<_> { bits.iter().map(|x| f64::from_bits(*x)).collect() });
+                wrong.push(format!(
+                    "{version}, {place}: {name} is {own:?}, not {known:?}"
+                ));
+            }
+        };
+        for (name, numbers) in &plain {
+            compare("plain", name, numbers, &known[name]);
+        }
+        let changes: Vec<Fields> = expected["rows"]
+            .as_array()
+            .unwrap()
+            .iter()
+            .enumerate()
+            .map(|(i, row)| match row {
+                Value::Null => before[i].clone(),
+                row => fields(row),
+            })
+            .collect();
+        assert_eq!(changes.len(), rows.len());
+        for (row, changes) in rows.iter().zip(&changes) {
+            let [place, text] = [0, 1].map(|i| row[i].as_str().unwrap());
+            let own = own(place, text);
+            for (name, plain) in &plain {
+                let own = own.get(name).map_or(&[][..], |own| own);
+                // models without meshes lack fields of meshes
+                if !(own.is_empty() && is_of_meshes(name)) {
+                    let known = changes.get(name).unwrap_or(plain);
+                    compare(&format!("{place} {text}"), name, own, known);
+                }
+            }
+        }
+        before = changes;
+    }
+    assert!(
+        wrong.is_empty(),
+        "{} differ:\n{}",
+        wrong.len(),
+        wrong.join("\n")
+    );
+}

@@ -82,4 +82,95 @@ mod tests {
             "a package at the root"
         );
     }
+
+    /// A sample has the last of the environments that a class makes with the same arguments, and every
+    /// environment of a crate that was changed.
+    #[cfg(feature = "families")]
+    #[test]
+    fn a_sample_has_each_class_and_what_was_changed() {
+        let module = |one: &Registration| one.source.module;
+        let all = || {
+            let families = ["gym_classic", "gym_toytext", "gym_box2d"];
+            let mut all = gym::registry::all();
+            all.retain(|one| families.iter().any(|name| module(one).starts_with(name)));
+            all
+        };
+        let ids = |changed: &[&str]| -> BTreeSet<String> {
+            let changed: Vec<_> = changed.iter().map(|file| (*file).to_owned()).collect();
+            let kept = sample(all(), &changed).unwrap();
+            kept.iter().map(|one| one.id().to_owned()).collect()
+        };
+        let plain = ids(&[]);
+        for (id, is_kept) in [
+            ("CartPole-v0", false),
+            ("CartPole-v1", true),
+            ("FrozenLake-v1", false), // FrozenLake8x8-v1 comes later
+            ("FrozenLake8x8-v1", true),
+            ("Taxi-v3", false),
+            ("Taxi-v4", true),
+            ("LunarLander-v3", false),
+            ("LunarLanderContinuous-v3", true),
+            ("rapier/LunarLanderContinuous-v3", true), // another namespace
+        ] {
+            assert_eq!(plain.contains(id), is_kept, "{id}");
+        }
+        let modules = |kept: &dyn Fn(&str) -> bool| -> BTreeSet<_> {
+            let all = all().into_iter().filter(|one| kept(one.id()));
+            all.map(|one| module(&one)).collect()
+        };
+        assert_eq!(modules(&|id| plain.contains(id)), modules(&|_| true));
+        for (crate_name, file) in [
+            ("gym_classic", "crates/gym-classic/Cargo.toml"),
+            ("gym_toytext", "crates/gym-toytext/src/taxi.rs"),
+        ] {
+            let added = &ids(&[file, "README.md"]) - &plain;
+            let left_out = all()
+                .into_iter()
+                .filter(|one| module(one).starts_with(crate_name) && !plain.contains(one.id()));
+            let left_out: BTreeSet<String> = left_out.map(|one| one.id().to_owned()).collect();
+            assert!(!left_out.is_empty());
+            assert_eq!(added, left_out, "{file}");
+        }
+    }
+
+    #[test]
+    fn changed_files_are_gits() {
+        let folder = std::env::temp_dir().join(format!("gym-cli-git-{}", std::process::id()));
+        std::fs::create_dir_all(folder.join("src")).unwrap();
+        let write = |name: &str, text: &str| std::fs::write(folder.join(name), text).unwrap();
+        for name in ["Cargo.lock", "a.rs", "src/b.rs"] {
+            write(name, "one");
+        }
+        for arguments in [
+            &["init", "--quiet"][..],
+            &["add", "."],
+            &[
+                "-c",
+                "user.name=a",
+                "-c",
+                "user.email=a",
+                "commit",
+                "--quiet",
+                "--message",
+                "one",
+            ],
+        ] {
+            let git = Command::new("git")
+                .args(arguments)
+                .current_dir(&folder)
+                .status();
+            assert!(git.unwrap().success());
+        }
+        let workspace = Workspace::of(&folder);
+        let changed = |commit| changed_files(&workspace, commit);
+        assert_eq!(changed("HEAD").unwrap(), [""; 0]);
+        write("src/b.rs", "two");
+        assert_eq!(changed("HEAD").unwrap(), ["src/b.rs"]);
+        let error = changed("nowhere").unwrap_err().to_string();
+        assert!(
+            error.contains("--changed-since") && error.contains("nowhere"),
+            "{error}"
+        );
+        std::fs::remove_dir_all(&folder).unwrap();
+    }
 }

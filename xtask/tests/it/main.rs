@@ -5,6 +5,7 @@ mod commands;
 mod documents;
 mod files;
 mod lines;
+mod pictures;
 mod plugin;
 mod replay;
 mod run;

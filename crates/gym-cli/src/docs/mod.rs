@@ -70,10 +70,17 @@ pub(crate) fn docs(
             documents.extend(draw::gif(page)?);
         }
     }
+    settle(documents, folder, arguments.check)?;
+    book.map_or(Ok(()), |book| (book.check)(folder))
+}
+
+/// Writes the documents that differ from the files of `folder`. With `is_check` it writes nothing, and
+/// one that differs is an error.
+fn settle(documents: Vec<Document>, folder: &Path, is_check: bool) -> Result<()> {
     let mut changed = documents.into_iter().filter(|(path, content)| {
         gym::file::read(&folder.join(path), usize::MAX).map_or(true, |old| old != *content)
     });
-    if arguments.check {
+    if is_check {
         if let Some((path, _)) = changed.next() {
             let reason = format!("{} is out of date: run `cargo xtask docs`", path.display());
             return Err(Error::custom(reason));
@@ -87,5 +94,45 @@ pub(crate) fn docs(
             say(format_args!("wrote {}", path.display()))?;
         }
     }
-    book.map_or(Ok(()), |book| (book.check)(folder))
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_document_that_differs_is_an_error_or_written() {
+        let folder = std::env::temp_dir().join(format!("gym-cli-docs-{}", std::process::id()));
+        std::fs::create_dir(&folder).unwrap();
+        let documents = [("a.md", "one"), ("deep/er/b.md", "two"), ("c.md", "three")];
+        let documents = || {
+            let document = |(path, text): (&str, &str)| (PathBuf::from(path), Vec::from(text));
+            documents.map(document).to_vec()
+        };
+        let settle = |is_check| settle(documents(), &folder, is_check);
+        let names = |error: Result<()>| error.expect_err("it differs").to_string();
+
+        let error = names(settle(true));
+        assert_eq!(error, "a.md is out of date: run `cargo xtask docs`");
+        let mut entries = std::fs::read_dir(&folder).unwrap();
+        assert!(entries.next().is_none(), "a check writes nothing");
+        settle(false).unwrap();
+        for (path, text) in documents() {
+            assert_eq!(std::fs::read(folder.join(path)).unwrap(), text);
+        }
+        settle(true).unwrap();
+        for (path, text) in documents() {
+            let file = folder.join(&path);
+            for other in [&b""[..], &[&text[..], b"\n"].concat(), &text[1..]] {
+                std::fs::write(&file, other).unwrap();
+                let error = names(settle(true));
+                assert!(error.starts_with(path.to_str().unwrap()), "{error}");
+                assert_eq!(std::fs::read(&file).unwrap(), other);
+            }
+            settle(false).unwrap();
+            assert_eq!(std::fs::read(&file).unwrap(), text);
+        }
+        std::fs::remove_dir_all(&folder).unwrap();
+    }
 }

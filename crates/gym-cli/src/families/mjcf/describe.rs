@@ -209,7 +209,8 @@ fn actuators(m: &Model, out: &mut String) -> fmt::Result {
         let kind = match m.actuator_trntype[i] {
             TransmissionType::Joint | TransmissionType::JointInParent => ObjectType::Joint,
             TransmissionType::Tendon => ObjectType::Tendon,
-            TransmissionType::Site => ObjectType::Site,
+            TransmissionType::Site | TransmissionType::SliderCrank => ObjectType::Site,
+            TransmissionType::Body => ObjectType::Body,
             _ => ObjectType::Unknown,
         };
         let id = usize::try_from(m.actuator_trnid[i][0]).unwrap_or_default();
@@ -274,6 +275,89 @@ mod tests {
             assert!(
                 text.lines().any(|other| other == line),
                 "{line}\nin\n{text}"
+            );
+        }
+    }
+
+    /// Returns the lines of a model's description.
+    fn lines(text: &str) -> Vec<String> {
+        let model = Model::from_xml(text).unwrap();
+        super::model(&model).lines().map(str::to_owned).collect()
+    }
+
+    #[test]
+    fn parts_without_a_name_have_their_number() {
+        let lines = lines(
+            r#"<mujoco><worldbody><body><joint/><joint type="slide" range="-0.5 2"/><geom size="0.1" mass="1"/><site/>
+            <body><joint type="ball"/><geom type="box" size="1 1 1" mass="2"/><geom type="box" size="1 1 1" mass="2"/>
+            <geom type="mesh" mesh="t" contype="0" conaffinity="0" mass="0"/><geom type="mesh" mesh="t" contype="0" conaffinity="0" mass="0"/>
+            </body></body><body><freejoint/><geom size="1" mass="1"/><camera/></body></worldbody>
+            <asset><mesh name="t" vertex="0 0 0 1 0 0 0 1 0 0 0 1"/><material name="red"/><material name="blue"/>
+            <texture type="2d" builtin="flat" width="4" height="4"/></asset>
+            <tendon><spatial range="0.5 1"><site site="s"/><site site="e"/></spatial></tendon></mujoco>"#
+                .replace("<site/>", r#"<site name="s"/><site name="e"/>"#)
+                .as_str(),
+        );
+        for line in [
+            "model without a name: 3 bodies, 4 joints, 11 degrees of freedom, 6 geoms, 0 actuators, 6.0000 kg",
+            "    1, 1.0000 kg; 1 sphere that collides",
+            "      joint 0: hinge",
+            "      joint 1: slide, -0.5000 to 2.0000 m",
+            "      2, 4.0000 kg; 2 meshes to look at, 2 boxes that collide",
+            "        joint 2: ball",
+            "    3, 1.0000 kg; 1 sphere that collides",
+            "      joint 3: free",
+            "tendons",
+            "  0, 2 parts, 0.5 to 1 m",
+            "2 materials, 1 texture",
+            "cameras",
+            "  0 on 3",
+        ] {
+            assert!(
+                lines.iter().any(|other| other == line),
+                "{line}\nin\n{lines:#?}"
+            );
+        }
+        for absent in ["actuators", "sensors", "equality constraints"] {
+            assert!(!lines.iter().any(|line| line == absent), "{absent}");
+        }
+        assert!(!lines.iter().any(|line| line.starts_with("keyframes")));
+    }
+
+    #[test]
+    fn what_acts_on_parts_names_them() {
+        let lines = lines(
+            r#"<mujoco model="m"><option timestep="0.004" integrator="RK4" solver="PGS" cone="elliptic"/><worldbody>
+            <body name="one"><joint name="a"/><geom name="ball" size="0.1" mass="1"/><site name="tip"/></body>
+            <body name="two"><joint name="b"/><geom size="0.1" mass="1"/></body></worldbody>
+            <tendon><fixed name="rope"><joint joint="a" coef="1"/><joint joint="b" coef="2"/></fixed></tendon>
+            <equality><joint joint1="a" joint2="b"/><connect body1="two" anchor="0 0 0"/><tendon tendon1="rope"/></equality>
+            <actuator><motor joint="a"/><position name="pull" tendon="rope" ctrlrange="0 1"/><general site="tip" dyntype="integrator"/>
+            <adhesion name="stick" body="one" ctrlrange="0 2"/></actuator>
+            <sensor><jointpos joint="b"/><framepos name="where" objtype="body" objname="two"/><clock name="now"/>
+            <actuatorfrc actuator="pull"/><tendonpos tendon="rope"/></sensor>
+            <keyframe><key/><key name="up" qpos="1 1"/></keyframe></mujoco>"#,
+        );
+        for line in [
+            "m: 2 bodies, 2 joints, 2 degrees of freedom, 2 geoms, 4 actuators, 2.0000 kg",
+            "with the numbers of MuJoCo 4.0: timestep 0.004 s, integrator RK4, solver PGS with Elliptic cones, nq 2, na 1, nsensordata 7",
+            "  rope, 2 parts",
+            "  Joint a b",
+            "  Connect two world",
+            "  Tendon rope",
+            "  0: on joint a, any control",
+            "  pull: on tendon rope, controls 0 to 1",
+            "  2: on site tip, any control",
+            "  stick: on body one, controls 0 to 2",
+            "  without a name: JointPos, 1 number, joint b",
+            "  where: FramePos, 3 numbers, body two",
+            "  now: Clock, 1 number",
+            "  without a name: ActuatorFrc, 1 number, actuator pull",
+            "  without a name: TendonPos, 1 number, tendon rope",
+        ] {
+            assert!(
+                lines.iter().any(|other| other == line),
+                "{line}\nin\n{lines:#?}"
             );
         }
     }

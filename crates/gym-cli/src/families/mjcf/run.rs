@@ -118,5 +118,59 @@ mod tests {
         });
         let report = report.unwrap();
         assert_eq!((seen, report.contacts, report.lost), (11, 1, None));
+        let said = report.to_string();
+        assert!(
+            said.starts_with("10 steps in ") && said.ends_with(" at most 1 contacts"),
+            "{said}"
+        );
+    }
+
+    #[test]
+    fn the_first_step_of_a_model_that_flies_apart_is_told() {
+        // 0.4e10 m after a step, 1.2e10 m after two; then the engine begins anew
+        let text = r#"<mujoco><option timestep="1" gravity="0 0 -4e9"/><worldbody><body><freejoint/><geom size="0.1"/></body>
+            </worldbody></mujoco>"#;
+        let model = Model::from_xml(text).unwrap();
+        let mut data = start(&model, None).unwrap();
+        let report = run(&model, &mut data, (5, 0), |_| Ok(())).unwrap();
+        assert_eq!(report.lost, Some(2));
+        let said = report.to_string();
+        assert!(said.ends_with("; the model flew apart at step 2"), "{said}");
+    }
+
+    #[test]
+    fn controls_are_drawn_in_their_ranges_from_the_seed() {
+        let text = r#"<mujoco><worldbody><body><joint name="a"/><geom size="0.1"/></body></worldbody><actuator>
+            <motor joint="a" ctrlrange="5 7"/><motor joint="a"/><motor joint="a" ctrlrange="-0.5 -0.25"/></actuator></mujoco>"#;
+        let model = Model::from_xml(text).unwrap();
+        let controls = |seed| {
+            let (mut drawn, mut data) = (Vec::new(), start(&model, None).unwrap());
+            let watch = |data: &Data| {
+                drawn.push([data.ctrl[0], data.ctrl[1], data.ctrl[2]]);
+                Ok(())
+            };
+            run(&model, &mut data, (200, seed), watch).unwrap();
+            drawn.split_off(1) // those before the first step are 0
+        };
+        let drawn = controls(3);
+        for (i, [low, high]) in [[5.0, 7.0], [-1.0, 1.0], [-0.5, -0.25]]
+            .into_iter()
+            .enumerate()
+        {
+            let of = drawn
+                .iter()
+                .map(|controls| (controls[i] - low) / (high - low));
+            let of: Vec<f64> = of.collect();
+            assert!(of.iter().all(|x| (0.0..=1.0).contains(x)), "{i}: {of:?}");
+            let mean = of.iter().sum::<f64>() / of.len() as f64;
+            assert!((mean - 0.5).abs() < 0.1, "{i}: {mean}");
+            let [least, most] = [f64::min, f64::max].map(|end| of.iter().copied().reduce(end));
+            assert!(
+                least < Some(0.1) && most > Some(0.9),
+                "{i}: {least:?} to {most:?}"
+            );
+        }
+        assert_eq!(drawn, controls(3));
+        assert_ne!(drawn, controls(4));
     }
 }

@@ -550,10 +550,14 @@ fn a_recording_is_rebuilt() {
     rebuilt.reset(0).unwrap();
     drop(rebuilt);
     assert!(folder.join("try-episode-0.gif").is_file());
-    let own = RecordVideo::new(make(), &folder)
-        .unwrap()
-        .episode_trigger(|_| true);
-    assert!(own.spec().is_none(), "a function cannot be rebuilt");
+    let own = || RecordVideo::new(make(), &folder).unwrap();
+    assert!(own().spec().is_some());
+    for own in [
+        own().episode_trigger(|_| true),
+        own().step_trigger(|_| true),
+    ] {
+        assert!(own.spec().is_none(), "a function cannot be rebuilt");
+    }
     for (name, value) in [
         ("fps", json!(-1)),
         ("video_length", json!("long")),

@@ -306,6 +306,58 @@ fn new_refuses_bad_names_and_leaves_nothing() {
     assert_eq!(left.len(), 2, "{left:?}");
 }
 
+/// What `new` writes has its names, and nothing that stands for another. (The weekly tests build it.)
+#[test]
+fn new_writes_every_name() {
+    fn texts(folder: &std::path::Path, all: &mut Vec<(std::path::PathBuf, String)>) {
+        for entry in std::fs::read_dir(folder).unwrap() {
+            let path = entry.unwrap().path();
+            if path.is_dir() {
+                texts(&path, all);
+            } else if path.file_name().unwrap() != "Cargo.lock" {
+                let text = std::fs::read_to_string(&path).unwrap();
+                all.push((path, text));
+            }
+        }
+    }
+    let parent = folder("new-names");
+    for (options, task) in [(&[][..], "Corridor"), (&["--native"], "Rocket")] {
+        let plugin = parent.join(task);
+        let path = plugin.to_str().unwrap();
+        let said = prints(&[&["new", "my_envs", "--path", path], options].concat());
+        let first = said.lines().next().unwrap();
+        assert_eq!(
+            first,
+            format!("{path} has the environment `my_envs/{task}-v0`. In that folder:")
+        );
+        let mut all = Vec::new();
+        texts(&plugin, &mut all);
+        for (path, text) in &all {
+            for other in ["plugin_name", "TASK_", "GYM_C", "GYM_N", "GYM_R"] {
+                assert!(!text.contains(other), "{}: {other}", path.display());
+            }
+        }
+        let file = |name: &str| {
+            let path = plugin.join(name);
+            let found = all.iter().find(|(other, _)| *other == path);
+            &found.unwrap_or_else(|| panic!("{name} of {task}")).1
+        };
+        let readme = file("README.md");
+        assert!(readme.contains(&format!("my_envs/{task}-v0")), "{readme}");
+        let source = format!("src/{}.rs", task.to_lowercase());
+        assert!(file(&source).contains(task), "{source}");
+        let manifest = file("Cargo.toml");
+        assert!(manifest.contains("name = \"my_envs\""), "{manifest}");
+        assert_eq!(
+            manifest.contains("gym-native"),
+            task == "Rocket",
+            "{manifest}"
+        );
+        let lock = std::fs::read(plugin.join("Cargo.lock")).unwrap();
+        assert_eq!(lock, std::fs::read("../Cargo.lock").unwrap());
+    }
+}
+
 #[test]
 fn soak_has_flat_memory() {
     let text = prints(&[

@@ -480,4 +480,58 @@ mod tests {
         assert_eq!(rng.permutation(5), [2, 4, 0, 3, 1]);
         assert_eq!(rng.random(), 0.12811363267554587);
     }
+
+    #[test]
+    fn halves_of_words_are_numpys() {
+        // `integers(0, high, dtype=np.uint16, endpoint=True)` after `default_rng(5)`, then a word
+        let cases: [(u16, [u16; 12], u32); 7] = [
+            (0, [0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0], 2881021352),
+            (1, [1, 1, 1, 0, 1, 0, 0, 0, 0, 0, 0, 0], 2453218244),
+            (9, [8, 6, 6, 2, 6, 3, 0, 2, 0, 4, 0, 4], 2453218244),
+            (
+                999,
+                [897, 671, 601, 207, 678, 375, 17, 279, 66, 402, 9, 462],
+                2453218244,
+            ),
+            (
+                40000,
+                [
+                    35884, 26864, 905, 15038, 25209, 11169, 2644, 399, 15334, 5588, 27999, 5242,
+                ],
+                194455477,
+            ),
+            (
+                65534,
+                [
+                    58791, 44013, 39412, 13604, 44479, 24638, 1141, 18299, 4332, 26377, 654, 30340,
+                ],
+                2453218244,
+            ),
+            (
+                65535,
+                [
+                    58792, 44014, 39413, 13605, 44480, 24639, 1142, 18300, 4333, 26378, 655, 30341,
+                ],
+                2453218244,
+            ),
+        ];
+        for (high, expected, next) in cases {
+            let mut rng = Generator::from(5);
+            assert_eq!(
+                [(); 12].map(|()| rng.integer_u16(high)),
+                expected,
+                "0 to {high}"
+            );
+            assert_eq!(rng.next_u32(), next, "after 0 to {high}");
+        }
+        // long enough for halves that are drawn again
+        for (high, expected) in [(40000, 2430856275), (33000, 3580527703)] {
+            let mut rng = Generator::from(7);
+            let sum = (0..4000).fold(0_u32, |sum, _| {
+                sum.wrapping_mul(31)
+                    .wrapping_add(rng.integer_u16(high).into())
+            });
+            assert_eq!(sum, expected, "0 to {high}");
+        }
+    }
 }

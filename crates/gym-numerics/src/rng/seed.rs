@@ -414,6 +414,9 @@ mod tests {
         let huge = Seed::from_u128(u128::from(u64::MAX) + 1);
         for (seed, stored) in [
             (Seed::from(0), json!(0)),
+            (Seed::from(7), json!(7)),
+            (Seed::from(u64::from(u32::MAX)), json!(u32::MAX)),
+            (Seed::from(1 << 32), json!(1_u64 << 32)),
             (Seed::from(u64::MAX), json!(u64::MAX)),
             (huge, json!("18446744073709551616")),
         ] {

@@ -34,8 +34,7 @@ ORIENTATIONS = ["quat='1 2 3 4'", "axisangle='1 2 3 40'", "euler='10 20 30'", "x
 LIMITS = ["range='-1 2'", "range='-1 2' limited='false'", "margin='0.25'", "solreflimit='0.5 2'", "solimplimit='0.5 0.6 0.7 0.8 3'",
           "solreffriction='0.25 3'", "solimpfriction='0.4 0.5 0.6 0.7 4'", "stiffness='3'", "damping='4'", "armature='5'",
           "frictionloss='6'", "actuatorfrcrange='-3 4'", "actuatorfrcrange='-3 4' actuatorfrclimited='false'"]
-# (the engine leaves the armature of tendons out of the constants; random marks of textures are its own)
-TENDON = [attribute for attribute in LIMITS if not attribute.startswith("armature")]
+# (random marks of textures are the engine's own)
 ACTUATOR = ["ctrlrange='-2 3'", "ctrlrange='-2 3' ctrllimited='false'", "forcerange='-4 5'", "forcerange='-4 5' forcelimited='false'",
             "group='2'", "gear='2 3 4 5 6 7'", "lengthrange='-3 4'"]
 SENSOR = ["cutoff='0.5'", "noise='0.25'"]
@@ -99,8 +98,8 @@ ROWS = {
     "inertial": ORIENTATIONS,
     "pair": ["condim='1'", "condim='6'", "friction='1 2 3 4 5'", "friction='0.5'", *SOFT, "solreffriction='0.25 3'", "margin='0.5'",
              "margin='0.5' gap='0.25'"],
-    "spatial": [*TENDON, "springlength='0.5'", "springlength='0.5 0.75'", "width='0.5'", "rgba='0.1 0.2 0.3 0.4'"],
-    "fixed": [*TENDON, "springlength='0.5'", "springlength='0.5 0.75'"],
+    "spatial": [*LIMITS, "springlength='0.5'", "springlength='0.5 0.75'", "width='0.5'", "rgba='0.1 0.2 0.3 0.4'"],
+    "fixed": [*LIMITS, "springlength='0.5'", "springlength='0.5 0.75'"],
     "connect": [*SOFT, "active='false'", "body2='a'"],
     "weld": [*SOFT, "active='false'", "body2='b'", "anchor='1 2 3'", "relpose='1 2 3 1 0 0 0'", "relpose='1 2 3 1 2 3 4'",
              "torquescale='0.5'"],

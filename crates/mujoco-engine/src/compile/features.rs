@@ -11,9 +11,6 @@ use crate::model::{
 /// The largest number of values of all sensors.
 const MOST_VALUES: usize = 1 << 20;
 
-/// The bit of the normals of rangefinders.
-const NORMAL: i32 = 1 << 4;
-
 /// Checks ids of actuators, tendons, equality constraints, sensors and pairs.
 pub(super) fn check(m: &CompiledModel) -> Result<()> {
     actuators(m)?;
@@ -183,13 +180,6 @@ fn sensors(m: &CompiledModel) -> Result<()> {
         );
         next += m.sensor_dim[i];
         let about = m.sensor_type[i].about();
-        let rough = |kind: &GeomType| matches!(kind, GeomType::Mesh | GeomType::Hfield);
-        ensure!(
-            about != About::Ray
-                || m.sensor_intprm[i][0] & NORMAL == 0
-                || !m.geom_type.iter().any(rough),
-            "sensor {i} has normals where rays meet geoms, which is not supported with meshes or height fields"
-        );
         let kinds = (m.sensor_objtype[i], m.sensor_reftype[i]);
         ensure!(
             measurable(about, kinds),

@@ -1,6 +1,6 @@
 //! Rangefinders: rays from a site along its z axis, or through the pixels of a camera.
 
-use super::ray::ray;
+use super::ray::{ray, surface};
 use super::sensor::frame_of;
 use crate::math::libm;
 use crate::math::spatial::{
@@ -162,7 +162,9 @@ fn normal(m: &Model, d: &Data, geom: usize, (origin, along): (Vec3, Vec3), dist:
             }
             normal
         }
-        _ => return [0.0; 3],
+        GeomType::Mesh | GeomType::Hfield => {
+            return surface::normal(m, geom, (pos, mat), origin, along);
+        }
     };
     rotate(mat, local)
 }

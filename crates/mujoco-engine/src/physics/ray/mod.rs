@@ -1,6 +1,6 @@
 //! Intersections of rays with geoms.
 
-mod surface;
+pub(super) mod surface;
 
 use crate::math::spatial::{MINVAL, Mat3, Vec3, dot, rotate_back, sub};
 use crate::model::GeomType;
@@ -41,8 +41,8 @@ pub fn ray_among(
     for g in (0..m.ngeom()).filter(|g| is_seen(*g)) {
         let place = (d.geom_xpos[g], &d.geom_xmat[g]);
         let distance = match m.geom_type[g] {
-            GeomType::Mesh => surface::mesh(m, g, place, point, along),
-            GeomType::Hfield => surface::hfield(m, g, place, point, along),
+            GeomType::Mesh => surface::mesh(m, g, place, point, along, &mut |_| {}),
+            GeomType::Hfield => surface::hfield(m, g, place, point, along, &mut |_| {}),
             kind => ray_shape(kind.into(), place, m.geom_size[g], point, along),
         };
         if distance >= 0.0 && nearest.is_none_or(|(least, _)| distance < least) {

@@ -5,8 +5,10 @@ use std::ops::Range;
 use super::{cuboid, faces, near};
 use crate::Model;
 use crate::math::spatial::{
-    MINVAL, Mat3, Vec3, add, add_scaled, column, cross, dot, normalize, rotate_back, scale, sub,
+    MINVAL, Mat3, Vec3, add, add_scaled, column, cross, dot, normalize, rotate, rotate_back, scale,
+    sub,
 };
+use crate::model::GeomType;
 use crate::model::bounds::Bounds;
 
 /// A ray in the frame of a geom, and two directions that are orthogonal to it.
@@ -85,13 +87,15 @@ impl Local {
     }
 }
 
-/// Keeps the smaller distance that is not negative; a negative `found` means none yet.
-fn keep(found: &mut f64, distance: Option<f64>) {
-    if let Some(distance) = distance
-        && distance >= 0.0
-        && (*found < 0.0 || distance < *found)
-    {
-        *found = distance;
+/// Keeps the smaller distance that is not negative, and returns whether it is the new one; a negative
+/// `found` means none yet.
+fn keep(found: &mut f64, distance: Option<f64>) -> bool {
+    match distance {
+        Some(distance) if distance >= 0.0 && (*found < 0.0 || distance < *found) => {
+            *found = distance;
+            true
+        }
+        _ => false,
     }
 }
 
@@ -112,8 +116,73 @@ fn search(
     search(middle..range.end, meets, each);
 }
 
+/// The normal of a triangle, of length 1.
+fn upright([p, q, r]: [Vec3; 3]) -> Vec3 {
+    normalize(cross(sub(p, r), sub(q, r))).0
+}
+
+/// The normal of a mesh or height field where a ray meets it; zero if it does not.
+pub(in crate::physics) fn normal(
+    m: &Model,
+    g: usize,
+    place: (Vec3, &Mat3),
+    point: Vec3,
+    along: Vec3,
+) -> Vec3 {
+    let local = match m.geom_type[g] {
+        GeomType::Mesh => {
+            let mut met = None;
+            let distance = mesh(m, g, place, point, along, &mut |corners| {
+                met = Some(corners);
+            });
+            met.filter(|_| distance >= 0.0).map(upright)
+        }
+        _ => {
+            let mut met = None;
+            let distance = hfield(m, g, place, point, along, &mut |part| met = Some(part));
+            met.filter(|_| distance >= 0.0).map(|part| match part {
+                Part::Base(side, alone) => {
+                    let mut normal = [0.0; 3];
+                    normal[side / 2] = if side % 2 == 0 { -1.0 } else { 1.0 };
+                    if alone {
+                        normal
+                    } else {
+                        // as MuJoCo, which turns it to the world and back
+                        rotate_back(place.1, rotate(place.1, normal))
+                    }
+                }
+                Part::Triangle(corners) => upright(corners),
+                Part::Side(side) => {
+                    let mut normal = [0.0; 3];
+                    normal[side / 2] = if side % 2 == 0 { -1.0 } else { 1.0 };
+                    normal
+                }
+            })
+        }
+    };
+    local.map_or([0.0; 3], |normal| rotate(place.1, normal))
+}
+
+/// A part of a height field.
+pub(super) enum Part {
+    /// A side of the box around the base, and whether the ray does not reach the box of the surface.
+    Base(usize, bool),
+    Triangle([Vec3; 3]),
+    /// A side between the base and the surface.
+    Side(usize),
+}
+
 /// The distance at which a ray meets the triangles of a mesh; -1 for none: MuJoCo's `mj_rayMesh`.
-pub(super) fn mesh(m: &Model, g: usize, place: (Vec3, &Mat3), point: Vec3, along: Vec3) -> f64 {
+/// `nearer` takes the corners of each triangle that is nearer than those before.
+#[inline]
+pub(super) fn mesh(
+    m: &Model,
+    g: usize,
+    place: (Vec3, &Mat3),
+    point: Vec3,
+    along: Vec3,
+    nearer: &mut impl FnMut([Vec3; 3]),
+) -> f64 {
     let Ok(mesh) = usize::try_from(m.geom_dataid[g]) else {
         return -1.0;
     };
@@ -132,15 +201,25 @@ pub(super) fn mesh(m: &Model, g: usize, place: (Vec3, &Mat3), point: Vec3, along
         |bounds| ray.meets(bounds),
         |number| {
             let triangle = all.mesh_face[start + number].map(corner);
-            keep(&mut found, ray.triangle(triangle));
+            if keep(&mut found, ray.triangle(triangle)) {
+                nearer(triangle);
+            }
         },
     );
     found
 }
 
 /// The distance at which a ray meets a height field: its base, its surface or its sides; -1 for
-/// none: MuJoCo's `mj_rayHfield`.
-pub(super) fn hfield(m: &Model, g: usize, place: (Vec3, &Mat3), point: Vec3, along: Vec3) -> f64 {
+/// none: MuJoCo's `mj_rayHfield`. `nearer` takes each part that is nearer than those before.
+#[inline]
+pub(super) fn hfield(
+    m: &Model,
+    g: usize,
+    place: (Vec3, &Mat3),
+    point: Vec3,
+    along: Vec3,
+    nearer: &mut impl FnMut(Part),
+) -> f64 {
     let Ok(id) = usize::try_from(m.geom_dataid[g]) else {
         return -1.0;
     };
@@ -166,14 +245,19 @@ pub(super) fn hfield(m: &Model, g: usize, place: (Vec3, &Mat3), point: Vec3, alo
     };
     let least = |faces: [f64; 6]| {
         let mut found = -1.0;
-        faces
-            .into_iter()
-            .for_each(|face| keep(&mut found, Some(face)));
+        for face in faces {
+            keep(&mut found, Some(face));
+        }
         found
     };
-    let mut found = least(meet(-base, [x, y, base * 0.5]));
+    let bottom = meet(-base, [x, y, base * 0.5]);
+    let mut found = least(bottom);
     let top = meet(height, [x, y, height * 0.5]);
     let first = least(top);
+    if found >= 0.0 {
+        let side = bottom.iter().position(|face| *face == found);
+        nearer(Part::Base(side.unwrap_or(0), first < 0.0));
+    }
     if first < 0.0 || rows < 2 || columns < 2 {
         return found;
     }
@@ -215,11 +299,11 @@ pub(super) fn hfield(m: &Model, g: usize, place: (Vec3, &Mat3), point: Vec3, alo
         search(all, &meets, &mut |column| {
             let [near, far] = [corner(row, column), corner(row + 1, column + 1)];
             let right = corner(row, column + 1);
-            keep(&mut found, ray.triangle([near, right, far]));
-            keep(
-                &mut found,
-                ray.triangle([near, far, corner(row + 1, column)]),
-            );
+            for triangle in [[near, right, far], [near, far, corner(row + 1, column)]] {
+                if keep(&mut found, ray.triangle(triangle)) {
+                    nearer(Part::Triangle(triangle));
+                }
+            }
         });
     }
     for (side, distance) in top[..4].iter().copied().enumerate() {
@@ -246,6 +330,7 @@ pub(super) fn hfield(m: &Model, g: usize, place: (Vec3, &Mat3), point: Vec3, alo
         let edge = border(0) * (before + 1.0 - place) + border(1) * (place - before);
         if ray.at(distance, 2) / height < edge {
             found = distance;
+            nearer(Part::Side(side));
         }
     }
     found
@@ -357,7 +442,7 @@ mod tests {
                 keep(&mut expected, ray.triangle([near, right, far]));
                 keep(&mut expected, ray.triangle([near, far, left]));
             }
-            let found = hfield(&m, 0, ([0.0; 3], &IDENTITY), from, along);
+            let found = hfield(&m, 0, ([0.0; 3], &IDENTITY), from, along, &mut |_| {});
             // (the base and the sides are no triangles)
             let at = |axis: usize| ray.at(found, axis);
             let is_below = at(2) < 1e-9

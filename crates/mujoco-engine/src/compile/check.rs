@@ -111,12 +111,12 @@ fn lengths(m: &CompiledModel) -> Result<()> {
     same_length!(
         m, m.njnt(),
         jnt_qposadr jnt_dofadr jnt_bodyid jnt_limited jnt_pos jnt_axis jnt_range jnt_margin
-        jnt_stiffness jnt_solref jnt_solimp jnt_actfrclimited jnt_actfrcrange jnt_actgravcomp
+        jnt_stiffness jnt_stiffnesspoly jnt_solref jnt_solimp jnt_actfrclimited jnt_actfrcrange jnt_actgravcomp
     );
     same_length!(
         m, m.nv(),
         dof_frictionloss dof_solref dof_solimp dof_jntid dof_parentid dof_treeid dof_simplenum
-        dof_armature dof_damping dof_invweight0 dof_m0
+        dof_armature dof_damping dof_dampingpoly dof_invweight0 dof_m0
     );
     same_length!(
         m, m.ngeom(),
@@ -142,7 +142,7 @@ fn lengths(m: &CompiledModel) -> Result<()> {
     same_length!(
         m, m.ntendon(),
         tendon_num tendon_limited tendon_range tendon_margin tendon_stiffness tendon_damping
-        tendon_frictionloss tendon_armature tendon_lengthspring tendon_length0 tendon_invweight0
+        tendon_stiffnesspoly tendon_dampingpoly tendon_frictionloss tendon_armature tendon_lengthspring tendon_length0 tendon_invweight0
         tendon_actfrclimited tendon_actfrcrange tendon_solref_lim tendon_solimp_lim
         tendon_solref_fri tendon_solimp_fri
     );

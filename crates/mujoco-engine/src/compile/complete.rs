@@ -28,8 +28,9 @@ impl CompiledModel {
             nbody, -1 => body_mocapid;
             nbody, 0.0 => body_gravcomp;
             njnt, false => jnt_actfrclimited jnt_actgravcomp;
-            njnt, [0.0; 2] => jnt_actfrcrange;
+            njnt, [0.0; 2] => jnt_actfrcrange jnt_stiffnesspoly;
             nv, 0.0 => dof_frictionloss;
+            nv, [0.0; 2] => dof_dampingpoly;
             nv, SOLREF => dof_solref;
             nv, SOLIMP => dof_solimp;
             ngeom, Fluid::default() => geom_fluid;
@@ -58,7 +59,7 @@ impl CompiledModel {
             nu, 0 => actuator_group;
             nu, 0.0 => actuator_length0 actuator_acc0 actuator_cranklength;
             ntendon, false => tendon_limited tendon_actfrclimited;
-            ntendon, [0.0; 2] => tendon_range tendon_actfrcrange tendon_lengthspring;
+            ntendon, [0.0; 2] => tendon_stiffnesspoly tendon_dampingpoly tendon_range tendon_actfrcrange tendon_lengthspring;
             ntendon, 0.0 => tendon_margin tendon_stiffness tendon_damping tendon_frictionloss
             tendon_armature
             tendon_length0 tendon_invweight0;

@@ -83,7 +83,9 @@ pub(super) fn add_joint(
         joint.range
     });
     m.jnt_margin.push(joint.margin);
-    m.jnt_stiffness.push(joint.stiffness);
+    let [stiffness, higher @ ..] = joint.stiffness;
+    m.jnt_stiffness.push(stiffness);
+    m.jnt_stiffnesspoly.push(higher);
     m.jnt_solref.push(joint.solref);
     m.jnt_solimp.push(joint.solimp);
     m.jnt_actfrclimited.push(force_limited);
@@ -115,7 +117,9 @@ pub(super) fn add_joint(
         m.dof_treeid
             .push(usize::try_from(parent).map_or(new_tree, |parent| m.dof_treeid[parent]));
         m.dof_armature.push(joint.armature);
-        m.dof_damping.push(joint.damping);
+        let [damping, higher @ ..] = joint.damping;
+        m.dof_damping.push(damping);
+        m.dof_dampingpoly.push(higher);
         m.dof_frictionloss.push(joint.friction_loss);
         m.dof_solref.push(joint.solref_friction);
         m.dof_solimp.push(joint.solimp_friction);

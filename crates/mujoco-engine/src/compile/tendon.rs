@@ -33,8 +33,12 @@ pub(super) fn add_tendons(m: &mut CompiledModel, spec: &Spec) -> Result<()> {
         m.tendon_actfrclimited.push(force_limited);
         m.tendon_actfrcrange.push(tendon.force_range);
         m.tendon_margin.push(tendon.margin);
-        m.tendon_stiffness.push(tendon.stiffness);
-        m.tendon_damping.push(tendon.damping);
+        let [stiffness, higher @ ..] = tendon.stiffness;
+        m.tendon_stiffness.push(stiffness);
+        m.tendon_stiffnesspoly.push(higher);
+        let [damping, higher @ ..] = tendon.damping;
+        m.tendon_damping.push(damping);
+        m.tendon_dampingpoly.push(higher);
         m.tendon_frictionloss.push(tendon.friction_loss);
         m.tendon_armature.push(tendon.armature);
         let around = m.wrap_type[first..]

@@ -39,6 +39,7 @@ fn options(m: &CompiledModel) -> Result<()> {
         ("opt.tolerance", o.tolerance),
         ("opt.ls_tolerance", o.ls_tolerance),
         ("opt.noslip_tolerance", o.noslip_tolerance),
+        ("opt.ccd_tolerance", o.ccd_tolerance),
         ("opt.density", o.density),
         ("opt.viscosity", o.viscosity),
         ("stat.meaninertia", m.stat.meaninertia),
@@ -53,6 +54,7 @@ fn options(m: &CompiledModel) -> Result<()> {
         ("iterations", o.iterations),
         ("ls_iterations", o.ls_iterations),
         ("noslip_iterations", o.noslip_iterations),
+        ("ccd_iterations", o.ccd_iterations),
     ] {
         ensure!(
             number <= MAX_ITERATIONS,
@@ -60,6 +62,10 @@ fn options(m: &CompiledModel) -> Result<()> {
             most_iterations()
         );
     }
+    ensure!(
+        o.ccd_iterations > 0,
+        "opt.ccd_iterations is 0, must be positive"
+    );
     let [[gx, gy, gz], [wx, wy, wz]] = [o.gravity, o.wind];
     finite("opt", &[gx, gy, gz, wx, wy, wz, o.density, o.viscosity])?;
     finite("opt.magnetic", &o.magnetic)?;
@@ -102,6 +108,7 @@ fn all_finite(m: &CompiledModel) -> Result<()> {
             body_subtreemass jnt_margin jnt_stiffness dof_armature dof_damping dof_invweight0 dof_m0
             geom_rbound geom_solmix geom_margin geom_gap wrap_prm key_time cam_fovy;
         rows:
+            jnt_stiffnesspoly dof_dampingpoly tendon_stiffnesspoly tendon_dampingpoly
             body_pos body_quat body_ipos body_iquat body_inertia body_invweight0 jnt_pos jnt_axis
             jnt_range jnt_solref jnt_solimp geom_size geom_pos geom_quat geom_friction geom_solref
             geom_solimp site_pos site_quat actuator_gear actuator_ctrlrange actuator_forcerange

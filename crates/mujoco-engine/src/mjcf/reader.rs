@@ -159,6 +159,13 @@ impl<'a, 'input> Reader<'a, 'input> {
             element.iterations("noslip_iterations")?,
         );
         element.set_non_negative("noslip_tolerance", &mut option.noslip_tolerance)?;
+        if let Some(iterations) = element.iterations("ccd_iterations")? {
+            if iterations == 0 {
+                return Err(place.attribute("ccd_iterations", "must be positive"));
+            }
+            option.ccd_iterations = iterations;
+        }
+        element.set_non_negative("ccd_tolerance", &mut option.ccd_tolerance)?;
         replace(&mut option.magnetic, element.numbers("magnetic")?);
         if let Some(groups) = element.list("actuatorgroupdisable")? {
             for group in groups {

@@ -342,6 +342,15 @@ impl<'a, 'input> Element<'a, 'input> {
         }
     }
 
+    /// Reads the coefficients of a polynomial, the first of which must not be negative.
+    pub(crate) fn polynomial(&mut self, name: &'static str, out: &mut [f64; 3]) -> Result<()> {
+        self.up_to(name, out)?;
+        if out[0] < 0.0 {
+            return Err(self.place().attribute(name, "must not be negative"));
+        }
+        Ok(())
+    }
+
     /// Reads exactly `N` numbers.
     pub(crate) fn numbers<const N: usize>(
         &mut self,

@@ -143,6 +143,9 @@ pub struct CompiledModel {
     pub jnt_margin: Vec<f64>,
     /// Stiffness of the joint's spring.
     pub jnt_stiffness: Vec<f64>,
+    /// Factors of the square and the cube of the displacement in the force of the spring.
+    #[serde(skip_serializing_if = "linear")]
+    pub jnt_stiffnesspoly: Vec<[f64; 2]>,
     /// Reference of the limit: time constant, damping ratio.
     pub jnt_solref: Vec<[f64; 2]>,
     /// Impedance of the limit: dmin, dmax, width, midpoint, power.
@@ -169,6 +172,9 @@ pub struct CompiledModel {
     pub dof_armature: Vec<f64>,
     /// Damping.
     pub dof_damping: Vec<f64>,
+    /// Factors of the square and the cube of the velocity in the force of the damper.
+    #[serde(skip_serializing_if = "linear")]
+    pub dof_dampingpoly: Vec<[f64; 2]>,
     /// Friction loss.
     pub dof_frictionloss: Vec<f64>,
     /// Reference of dry friction: time constant, damping ratio.
@@ -363,8 +369,14 @@ pub struct CompiledModel {
     pub tendon_margin: Vec<f64>,
     /// Stiffness of the spring.
     pub tendon_stiffness: Vec<f64>,
+    /// Factors of the square and the cube of the displacement in the force of the spring.
+    #[serde(skip_serializing_if = "linear")]
+    pub tendon_stiffnesspoly: Vec<[f64; 2]>,
     /// Damping.
     pub tendon_damping: Vec<f64>,
+    /// Factors of the square and the cube of the velocity in the force of the damper.
+    #[serde(skip_serializing_if = "linear")]
+    pub tendon_dampingpoly: Vec<[f64; 2]>,
     /// Friction loss.
     pub tendon_frictionloss: Vec<f64>,
     /// Inertia along the tendon.
@@ -474,6 +486,11 @@ pub struct CompiledModel {
 /// Whether all groups are 0.
 fn zero(groups: &[i32]) -> bool {
     groups.iter().all(|group| *group == 0)
+}
+
+/// Whether no spring or damper has factors of higher powers.
+fn linear(higher: &[[f64; 2]]) -> bool {
+    higher.iter().all(|factors| *factors == [0.0; 2])
 }
 
 /// Whether no surface moves.

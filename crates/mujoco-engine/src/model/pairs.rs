@@ -330,6 +330,8 @@ pub(crate) struct Polygons {
     pub(crate) corners: usize,
     /// The most polygons at a vertex.
     pub(crate) degree: usize,
+    /// The most iterations of a search.
+    pub(crate) iterations: usize,
 }
 
 impl Polygons {
@@ -338,6 +340,7 @@ impl Polygons {
         Self {
             corners: most(&m.meshes.mesh_polyvertnum),
             degree: most(&m.meshes.mesh_polymapnum),
+            iterations: m.opt.ccd_iterations,
         }
     }
 }

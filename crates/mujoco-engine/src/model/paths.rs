@@ -48,7 +48,9 @@ impl Paths {
             let on = |part, x: f64| if m.opt.disables(part) { 0.0 } else { x };
             let stiffness = on(spring, m.tendon_stiffness[t]);
             let damping = on(damper, m.tendon_damping[t]);
-            if stiffness != 0.0 || damping != 0.0 {
+            let bends = on(spring, f64::from(m.tendon_stiffnesspoly[t] != [0.0; 2]))
+                + on(damper, f64::from(m.tendon_dampingpoly[t] != [0.0; 2]));
+            if stiffness != 0.0 || damping != 0.0 || bends != 0.0 {
                 paths.elastic.push((t, stiffness, damping));
             }
         }

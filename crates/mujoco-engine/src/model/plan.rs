@@ -12,7 +12,7 @@ use super::pairs::{Pair, Polygons, Reach, most_contacts};
 use super::paths::Paths;
 use super::{
     About, CompiledModel, Cone, Disable, GeomType, Integrator, JointType, SensorType, Softness,
-    Stage, TransmissionType, actuators,
+    Stage, TransmissionType, actuators, linear,
 };
 use crate::Result;
 use crate::error::ensure;
@@ -47,7 +47,7 @@ pub(crate) struct Plan {
     /// The sizes of polygons, if some pair needs the general routine for convex shapes.
     pub(crate) deep: Option<Polygons>,
     /// The model's sizes on which buffer sizes depend.
-    pub(crate) sizes: [usize; 15],
+    pub(crate) sizes: [usize; 16],
     /// Joints with limits.
     pub(crate) limits: Vec<Limit>,
     /// Equality constraints, dry friction and tendon limits.
@@ -90,6 +90,8 @@ pub(crate) struct Plan {
     pub(crate) gravity: [f64; 3],
     /// Whether Euler's method treats damping implicitly.
     pub(crate) damped: bool,
+    /// Whether springs or dampers have factors of higher powers.
+    pub(crate) polynomials: bool,
     /// Whether the model's integrator is Euler with implicit damping.
     pub(crate) implicit: bool,
     /// Joints with springs.
@@ -181,7 +183,7 @@ impl Plan {
         let off = |part: Disable| m.opt.disables(part);
         let damped = !off(Disable::EulerDamp)
             && !off(Disable::Damper)
-            && m.dof_damping.iter().any(|&damping| damping > 0.0);
+            && (m.dof_damping.iter().any(|&damping| damping > 0.0) || !linear(&m.dof_dampingpoly));
         let mut m_local = m_colind.clone();
         for (row, &tree) in m_rows.iter().zip(&m.dof_treeid) {
             let local = m_local[row.clone()].iter_mut();
@@ -199,7 +201,7 @@ impl Plan {
             bounds: Vec::new(),
             reaches: Vec::new(),
             deep: None,
-            sizes: [0; 15],
+            sizes: [0; 16],
             limits: Vec::new(),
             sparse: m.opt.jacobian == 1 || m.opt.jacobian == 2 && m.nv() >= 60,
             inequalities_only: {
@@ -235,10 +237,21 @@ impl Plan {
             } else {
                 m.opt.gravity
             },
+            polynomials: ![
+                &m.jnt_stiffnesspoly,
+                &m.dof_dampingpoly,
+                &m.tendon_stiffnesspoly,
+                &m.tendon_dampingpoly,
+            ]
+            .into_iter()
+            .all(|higher| linear(higher)),
             implicit: damped && m.opt.integrator == Integrator::Euler,
             damped,
             springs: (0..m.njnt())
-                .filter(|&j| m.jnt_stiffness[j] != 0.0 && !off(Disable::Spring))
+                .filter(|&j| {
+                    let bends = m.jnt_stiffnesspoly[j] != [0.0; 2];
+                    (m.jnt_stiffness[j] != 0.0 || bends) && !off(Disable::Spring)
+                })
                 .collect(),
             boxes: boxes(m),
             free_bodies: (0..m.nbody()).filter(|&body| is_free(m, body)).collect(),
@@ -309,6 +322,7 @@ impl Plan {
             m.opt.integrator as usize,
             plan.deep
                 .map_or(0, |polygons| 1 + polygons.corners + polygons.degree),
+            plan.deep.map_or(0, |polygons| polygons.iterations),
         ];
         Ok(plan)
     }

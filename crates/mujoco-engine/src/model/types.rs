@@ -38,6 +38,10 @@ pub struct Options {
     pub noslip_iterations: usize,
     /// Improvement below which the no-slip iterations stop.
     pub noslip_tolerance: f64,
+    /// Largest number of iterations of a search for the contact of convex shapes.
+    pub ccd_iterations: usize,
+    /// The precision of such a search.
+    pub ccd_tolerance: f64,
     /// The magnetic field.
     pub magnetic: [f64; 3],
     /// Disabled parts: bits of MuJoCo's `mjtDisableBit`, see [`Disable`].
@@ -69,6 +73,8 @@ impl Default for Options {
             impratio: 1.0,
             noslip_iterations: 0,
             noslip_tolerance: 1e-6,
+            ccd_iterations: 35,
+            ccd_tolerance: 1e-6,
             magnetic: [0.0, -0.5, 0.0],
             disableflags: 0,
             enableflags: 0,

@@ -1,7 +1,7 @@
 //! Potential and kinetic energy.
 
 use super::inertia::multiply;
-use super::passive::stretch;
+use super::passive::{polynomials, stretch};
 use crate::math::dense::dot_slices;
 use crate::math::spatial::{InTurn, Order, Pairwise, Vec3, dot, norm, sub};
 use crate::model::{Disable, JointType};
@@ -15,24 +15,24 @@ pub(super) fn potential(m: &Model, d: &Data) -> f64 {
             energy -= m.body_mass[b] * dot(m.opt.gravity, d.xipos[b]);
         }
     }
-    let spring = |stiffness: f64, x: f64| 0.5 * stiffness * (x * x);
     for &j in &m.plan().springs {
-        let (k, p) = (m.jnt_stiffness[j], m.jnt_qposadr[j]);
+        let (p, higher) = (m.jnt_qposadr[j], m.jnt_stiffnesspoly[j]);
+        let spring = |x: f64| polynomials::energy(m.jnt_stiffness[j], higher, x);
         match m.jnt_type[j] {
             JointType::Free => {
                 let three = |q: &[f64]| -> Vec3 { [q[p], q[p + 1], q[p + 2]] };
                 let moved = sub(three(&d.qpos), three(&m.qpos_spring));
-                energy += spring(k, norm(moved));
-                energy += spring(k, turn(m, d, p + 3));
+                energy += spring(norm(moved));
+                energy += spring(turn(m, d, p + 3));
             }
-            JointType::Ball => energy += spring(k, turn(m, d, p)),
-            _ => energy += spring(k, d.qpos[p] - m.qpos_spring[p]),
+            JointType::Ball => energy += spring(turn(m, d, p)),
+            _ => energy += spring(d.qpos[p] - m.qpos_spring[p]),
         }
     }
     if !m.opt.disables(Disable::Spring) {
         for t in 0..m.ntendon() {
             let x = stretch(d.ten_length[t], m.tendon_lengthspring[t]);
-            energy += spring(m.tendon_stiffness[t], x);
+            energy += polynomials::energy(m.tendon_stiffness[t], m.tendon_stiffnesspoly[t], x);
         }
     }
     energy

@@ -3,6 +3,7 @@
 use super::actuation::{disabled, next};
 use super::free::Free;
 use super::inertia::{factor_damped, solve as solve_m};
+use super::passive::polynomials;
 use super::tendon::pulling;
 use super::velocity::joints;
 use super::{fluid_slopes, muscle};
@@ -159,11 +160,13 @@ fn smooth(m: &Model, d: &Data, jac: &mut Vec<Vec6>, add: &mut impl FnMut(usize, 
         return;
     }
     for i in 0..m.nv() {
-        add(i, i, -m.dof_damping[i]);
+        let slope = polynomials::slope(m.dof_damping[i], m.dof_dampingpoly[i], d.qvel[i]);
+        add(i, i, -slope);
     }
     let paths = &m.plan().paths;
     for (t, row) in paths.rows.iter().enumerate() {
-        let damping = m.tendon_damping[t];
+        let (linear, higher) = (m.tendon_damping[t], m.tendon_dampingpoly[t]);
+        let damping = polynomials::slope(linear, higher, d.ten_velocity[t]);
         if damping != 0.0 {
             let (columns, j) = (&paths.columns[row.clone()], &d.ten_j[row.clone()]);
             add_square(columns, j, -damping, add);

@@ -5,6 +5,7 @@
 //! columns of an ancestor are then the first columns of a descendant, and factors `L' D L`, made
 //! from the last row on, fill in nothing.
 
+use super::passive::polynomials;
 use std::ops::Range;
 
 use crate::math::dense::{self, Lanes, minus, plus, times};
@@ -186,6 +187,13 @@ pub fn factor_m(m: &Model, d: &mut Data) {
 pub(super) fn add_damping(m: &Model, d: &mut Data) {
     let work = &mut d.work;
     work.qh.copy_from_slice(&d.qm);
+    if m.plan().polynomials {
+        for i in 0..m.nv() {
+            let slope = polynomials::slope(m.dof_damping[i], m.dof_dampingpoly[i], d.qvel[i]);
+            work.qh[m.plan().m_diagonal(i)] += m.opt.timestep * slope;
+        }
+        return;
+    }
     for i in 0..m.nv() {
         work.qh[m.plan().m_diagonal(i)] += m.opt.timestep * m.dof_damping[i];
     }

@@ -1,12 +1,14 @@
 //! Forces of springs, dampers and the medium.
 
+pub(super) mod polynomials;
+
 use std::f64::consts::PI;
 
 use super::fluid::ellipsoids;
 use super::jacobian::apply;
 use crate::math::number::{Number, get, of};
 use crate::math::spatial::{
-    InTurn, Order, Pairwise, add, cross, dot, rotate, rotate_back, rotation, scale, sub,
+    InTurn, Order, Pairwise, Vec3, add, cross, dot, rotate, rotate_back, rotation, scale, sub,
     translation, velocity_at,
 };
 use crate::model::JointType;
@@ -21,6 +23,27 @@ pub fn passive(m: &Model, d: &mut Data) {
     if !plan.passive {
         return;
     }
+    if plan.polynomials {
+        polynomials::forces(m, d);
+    } else {
+        springs_and_dampers(m, d);
+    }
+    if !plan.boxes.is_empty() {
+        d.work.fluid.fill(0.0);
+        fluid(m, d);
+        for (force, fluid) in d.qfrc_passive.iter_mut().zip(&d.work.fluid) {
+            *force += fluid;
+        }
+    }
+    if plan.gravcomp {
+        lift(m, d);
+    }
+}
+
+/// Adds the forces of springs and dampers that are linear.
+#[inline(always)]
+fn springs_and_dampers(m: &Model, d: &mut Data) {
+    let plan = m.plan();
     for &j in &plan.springs {
         let stiffness = m.jnt_stiffness[j];
         let (p, i) = (m.jnt_qposadr[j], m.jnt_dofadr[j]);
@@ -43,16 +66,6 @@ pub fn passive(m: &Model, d: &mut Data) {
     } else {
         elastic_tendons(m, d);
     }
-    if !plan.boxes.is_empty() {
-        d.work.fluid.fill(0.0);
-        fluid(m, d);
-        for (force, fluid) in d.qfrc_passive.iter_mut().zip(&d.work.fluid) {
-            *force += fluid;
-        }
-    }
-    if plan.gravcomp {
-        lift(m, d);
-    }
 }
 
 /// The force of a spring at position `q`.
@@ -73,15 +86,20 @@ pub(in crate::physics) fn damper_force<N: Number>(at: N::At, velocity: N, dampin
 
 /// Adds the spring of a ball or free joint's orientation.
 fn turned_spring(m: &Model, d: &mut Data, p: usize, i: usize, stiffness: f64) {
+    let turned = turn(m, d, p);
+    for (force, turned) in d.qfrc_passive[i..i + 3].iter_mut().zip(turned) {
+        *force += turned * -stiffness;
+    }
+}
+
+/// The rotation of the joint at position index `p` from the spring's reference.
+fn turn(m: &Model, d: &Data, p: usize) -> Vec3 {
     let quat = |q: &[f64]| [q[p], q[p + 1], q[p + 2], q[p + 3]];
     let (now, rest) = (quat(&d.qpos), quat(&m.qpos_spring));
-    let turned = if m.revision.adds_in_pairs() {
+    if m.revision.adds_in_pairs() {
         Pairwise::sub_quat(Pairwise::normalize_quat((), now), rest)
     } else {
         InTurn::sub_quat(InTurn::normalize_quat((), now), rest)
-    };
-    for (force, turned) in d.qfrc_passive[i..i + 3].iter_mut().zip(turned) {
-        *force += turned * -stiffness;
     }
 }
 

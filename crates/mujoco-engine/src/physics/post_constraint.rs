@@ -2,6 +2,7 @@
 
 use super::constraint::Source;
 use super::contact_force::force_of;
+use super::passive::polynomials::of_tendon;
 use super::passive::tendon_spring_force;
 use super::rows;
 use super::tendon::{along_path, pulling};
@@ -163,6 +164,10 @@ fn tension(m: &Model, d: &Data, tendon: usize) -> f64 {
     }
     let elastic = &m.plan().paths.elastic;
     match elastic.iter().find(|(id, ..)| *id == tendon) {
+        Some(&(id, ..)) if m.plan().polynomials => {
+            let [spring, damper] = of_tendon(m, d, id);
+            sum + (spring + damper)
+        }
         Some(&(id, stiffness, damping)) => {
             let rest = m.tendon_lengthspring[id];
             let spring = tendon_spring_force(d.ten_length[id], rest, stiffness);

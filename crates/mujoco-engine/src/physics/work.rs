@@ -13,7 +13,7 @@ use crate::model::Cone;
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Work {
     /// The sizes of the model that the buffers fit.
-    sizes: Option<[usize; 15]>,
+    sizes: Option<[usize; 16]>,
     /// Whether an external force acts on a joint or a body.
     pub(crate) pushed: bool,
     /// Whether to leave out frames of geoms and sites that no stage reads.

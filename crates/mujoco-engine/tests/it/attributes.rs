@@ -19,7 +19,7 @@ const ELEMENTS: [(&str, &str, &str); 50] = [
     (
         "option",
         "",
-        "actuatorgroupdisable cone density gravity impratio integrator iterations jacobian ls_iterations ls_tolerance magnetic \
+        "actuatorgroupdisable ccd_iterations ccd_tolerance cone density gravity impratio integrator iterations jacobian ls_iterations ls_tolerance magnetic \
      noslip_iterations noslip_tolerance o_friction o_margin o_solimp o_solref sdf_initpoints sdf_iterations sleep_tolerance \
      solver timestep tolerance viscosity wind",
     ),
@@ -248,7 +248,8 @@ const ELEMENTS: [(&str, &str, &str); 50] = [
 ];
 
 /// Attributes that are refused: histories of controls and sensors, and features of 3.12 alone.
-const REFUSED: &str = "actdim adhesion armature ccd_iterations ccd_tolerance damping delay ffrange interp interval nsample velrange";
+const REFUSED: &str =
+    "actdim adhesion armature damping delay ffrange interp interval nsample velrange";
 
 /// A model with the element, which has an attribute that nothing has.
 fn with(path: &str, given: &str, attribute: &str) -> String {

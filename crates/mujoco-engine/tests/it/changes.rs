@@ -326,7 +326,12 @@ fn iterations_have_a_limit() {
                 <geom size=".1" friction="1"/></body></worldbody></mujoco>"#
             )
         };
-        for option in ["iterations", "ls_iterations", "noslip_iterations"] {
+        for option in [
+            "iterations",
+            "ls_iterations",
+            "noslip_iterations",
+            "ccd_iterations",
+        ] {
             let most = text(&format!("{option}=\"100000\""));
             let m = Model::from_xml(&most).unwrap();
             step(&m, &mut Data::new(&m));
@@ -340,6 +345,8 @@ fn iterations_have_a_limit() {
         let mut m = Model::from_xml(&text("")).unwrap();
         let error = m.change(|c| c.opt.noslip_iterations = 1 << 31);
         assert!(error.unwrap_err().to_string().contains("noslip_iterations"));
+        let error = m.change(|c| c.opt.ccd_iterations = 0);
+        assert!(error.unwrap_err().to_string().contains("ccd_iterations"));
     }
 }
 

@@ -35,7 +35,7 @@ const TEXT: &str = r#"<mujoco>
 /// Numbers of the model that may not be negative, not 0, and not 200.
 const NEGATIVE: &str = "body_mass/3 body_inertia/3/1 jnt_margin/0 jnt_stiffness/1 dof_armature/0 dof_damping/1 dof_frictionloss/0 \
                     geom_rbound/1 geom_solmix/0 geom_friction/2/2 tendon_stiffness/1 tendon_damping/1 tendon_frictionloss/0 \
-                    sensor_cutoff/0 sensor_noise/0 opt/tolerance opt/ls_tolerance opt/noslip_tolerance opt/density opt/viscosity \
+                    sensor_cutoff/0 sensor_noise/0 opt/tolerance opt/ls_tolerance opt/noslip_tolerance opt/ccd_tolerance opt/density opt/viscosity \
                     opt/impratio opt/timestep stat/extent wrap_prm/5 cam_fovy/0 \
                     jnt_solref/0/1 \
                     dof_solref/0/0 geom_solref/3/1 eq_solref/0/0 pair_solref/0/0 tendon_solref_lim/0/0 tendon_solref_fri/0/1";

@@ -29,8 +29,9 @@ with_defaults! {
         limited: Option<bool> = None,
         reference: f64 = 0.0,
         spring_reference: f64 = 0.0,
-        stiffness: f64 = 0.0,
-        damping: f64 = 0.0,
+        /// The factors of the displacement, its square and its cube.
+        stiffness: [f64; 3] = [0.0; 3],
+        damping: [f64; 3] = [0.0; 3],
         /// The time constant and the damping ratio that determine stiffness and damping.
         spring_damper: [f64; 2] = [0.0; 2],
         armature: f64 = 0.0,
@@ -71,8 +72,8 @@ impl Joint {
         element.set_keyword("limited", &LIMITED, &mut self.limited)?;
         replace(&mut self.reference, element.number("ref")?);
         replace(&mut self.spring_reference, element.number("springref")?);
-        element.set_non_negative("stiffness", &mut self.stiffness)?;
-        element.set_non_negative("damping", &mut self.damping)?;
+        element.polynomial("stiffness", &mut self.stiffness)?;
+        element.polynomial("damping", &mut self.damping)?;
         element.set_non_negative("armature", &mut self.armature)?;
         element.set_non_negative("margin", &mut self.margin)?;
         if let Some(numbers) = element.numbers::<2>("springdamper")? {

@@ -24,8 +24,9 @@ with_defaults! {
         solref_friction: [f64; 2] = SOLREF,
         solimp_friction: [f64; 5] = SOLIMP,
         friction_loss: f64 = 0.0,
-        stiffness: f64 = 0.0,
-        damping: f64 = 0.0,
+        /// The factors of the displacement, its square and its cube.
+        stiffness: [f64; 3] = [0.0; 3],
+        damping: [f64; 3] = [0.0; 3],
         armature: f64 = 0.0,
         /// The lengths between which the spring is slack; -1 for the length in the initial
         /// configuration.
@@ -60,8 +61,8 @@ impl Tendon {
         read_solref(element, "solreffriction", &mut self.solref_friction)?;
         read_solimp(element, "solimpfriction", &mut self.solimp_friction)?;
         element.set_non_negative("frictionloss", &mut self.friction_loss)?;
-        element.set_non_negative("stiffness", &mut self.stiffness)?;
-        element.set_non_negative("damping", &mut self.damping)?;
+        element.polynomial("stiffness", &mut self.stiffness)?;
+        element.polynomial("damping", &mut self.damping)?;
         element.set_non_negative("armature", &mut self.armature)?;
         if element.up_to("springlength", &mut self.spring_length)? == 1 {
             self.spring_length[1] = self.spring_length[0];

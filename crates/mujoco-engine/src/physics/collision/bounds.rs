@@ -25,6 +25,7 @@ pub(super) fn far_apart(m: &Model, pair: &Pair, shapes: [Shape<'_>; 2]) -> bool 
     // what is below the tolerance of the search for the nearest points, and rounding far from the
     // origin, may make a contact
     const RELATIVE: f64 = 1e-9;
+    let most = pair.margin + m.opt.ccd_tolerance + ROUNDING;
     let around = pair.geom.map(
         |g| match (m.geom_type[g], usize::try_from(m.geom_dataid[g])) {
             (GeomType::Mesh, Ok(mesh)) => m.meshes.layouts()[mesh].bounds,
@@ -38,11 +39,11 @@ pub(super) fn far_apart(m: &Model, pair: &Pair, shapes: [Shape<'_>; 2]) -> bool 
         let along = rotate_back(shapes[1].mat, normal);
         let height = dot(normal, sub(centre(1), shapes[0].pos));
         let reach: f64 = (0..3).map(|k| (b[k] * along[k]).abs()).sum();
-        return height - reach > pair.margin + ROUNDING + RELATIVE * height.abs();
+        return height - reach > most + RELATIVE * height.abs();
     }
     // in the frame of the first geom
     let between = sub(centre(1), centre(0));
-    let margin = pair.margin + ROUNDING + RELATIVE * norm(between);
+    let margin = most + RELATIVE * norm(between);
     let place = rotate_back(shapes[0].mat, between);
     let columns = [0, 1, 2].map(|k| rotate_back(shapes[0].mat, column(shapes[1].mat, k)));
     let sizes = columns.map(|column| column.map(f64::abs));

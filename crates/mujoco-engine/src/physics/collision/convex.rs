@@ -4,7 +4,7 @@
 //! compared.
 
 use super::epa::Polytope;
-use super::gjk::{self, Vertex};
+use super::gjk::{self, Rules, Vertex};
 use super::mesh::Mesh;
 use super::{Hit, Push, Shape, frame, hfield};
 use crate::Revision;
@@ -113,13 +113,13 @@ pub(super) fn contacts(
     a: Solid<'_>,
     b: Solid<'_>,
     (margin, apart): (f64, f64),
-    revision: Revision,
+    rules: Rules,
     polytope: &mut Polytope,
     push: Push<'_>,
 ) {
     let mut one = |a: Solid<'_>, b: Solid<'_>| {
         let grown = [0.5 * margin; 2];
-        one(a, b, grown, revision, polytope).map(|touch| touch.hit(margin))
+        one(a, b, grown, rules, polytope).map(|touch| touch.hit(margin))
     };
     let Some(first) = one(a, b) else {
         return;
@@ -166,10 +166,10 @@ pub(super) fn one(
     a: Solid<'_>,
     b: Solid<'_>,
     grown: [f64; 2],
-    revision: Revision,
+    rules: Rules,
     polytope: &mut Polytope,
 ) -> Option<Touch> {
-    within(a, b, (grown, 0.0), revision, polytope)
+    within(a, b, (grown, 0.0), rules, polytope)
 }
 
 /// Returns the deepest points of two shapes that overlap where each is grown by a part of the margin,
@@ -178,9 +178,10 @@ pub(super) fn within(
     a: Solid<'_>,
     b: Solid<'_>,
     (grown, most): ([f64; 2], f64),
-    revision: Revision,
+    rules: Rules,
     polytope: &mut Polytope,
 ) -> Option<Touch> {
+    let revision = rules.revision;
     let near = |dist: f64| dist < 0.0 || (most > 0.0 && dist <= most);
     let grow = |(point, corner): (Vec3, u32), grown: f64, direction: Vec3| {
         if grown > 0.0 {
@@ -217,8 +218,8 @@ pub(super) fn within(
         let finite = |solid: Solid<'_>| solid.is_discrete() || solid.radius().is_some();
         let discrete = revision.shrinks_to_cores() && finite(a) && finite(b);
         let reach = reaches[0] + reaches[1];
-        let found = gjk::distance(centers, reach + most, (revision, discrete), &cores);
-        if found.distance > gjk::TOLERANCE {
+        let found = gjk::distance(centers, reach + most, (rules, discrete), &cores);
+        if found.distance > rules.tolerance {
             let [w1, w2] = found.nearest;
             let dist = found.distance - reach;
             let normal = normalize(sub(w2, w1)).0;
@@ -243,12 +244,9 @@ pub(super) fn within(
         let first = grow(a.support(direction), grown[0], direction);
         Vertex::new(first, grow(b.support(back), grown[1], back))
     };
-    let rules = (
-        revision,
-        grown == [0.0; 2] && a.is_discrete() && b.is_discrete(),
-    );
-    let found = gjk::distance(centers, most, rules, &whole);
-    if found.distance > gjk::TOLERANCE || found.separated {
+    let discrete = grown == [0.0; 2] && a.is_discrete() && b.is_discrete();
+    let found = gjk::distance(centers, most, (rules, discrete), &whole);
+    if found.distance > rules.tolerance || found.separated {
         return near(found.distance).then(|| Touch {
             dist: found.distance,
             points: found.nearest,
@@ -256,7 +254,7 @@ pub(super) fn within(
             first: [found.simplex[0].w1, found.simplex[0].w2],
         });
     }
-    let overlap = polytope.overlap(&found, rules, &whole)?;
+    let overlap = polytope.overlap(&found, (rules, discrete), &whole)?;
     (overlap.depth > 0.0).then(|| Touch {
         dist: -overlap.depth,
         points: overlap.nearest,

@@ -6,18 +6,26 @@
 //! of faces, which decides between faces that are equally near.
 
 use super::features::Features;
-use super::gjk::{Found, ITERATIONS, LEAST, TOLERANCE, Vertex, project, weights_at};
+use super::gjk::{Found, LEAST, Rules, Vertex, project, weights_at};
 use crate::Revision;
 use crate::math::spatial::{MINVAL, Mat3, Vec3, add, cross, dot, norm, rotate, scale, sub};
 use crate::model::Polygons;
 
-/// The largest number of faces.
-const FACES: usize = 6 * ITERATIONS;
+/// MuJoCo's bound of the iterations, whatever `ccd_iterations` says.
+const MOST: usize = 1000;
+
+/// The iterations for which there is always room.
+const ROOM: usize = 35;
+
+/// The most faces, for each iteration.
+const FACES: usize = 6;
 
 /// A polytope that contains the origin.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Polytope {
     revision: Revision,
+    tolerance: f64,
+    iterations: usize,
     /// Whether both sets have finitely many support points.
     discrete: bool,
     vertices: Vec<Vertex>,
@@ -74,11 +82,13 @@ impl Polytope {
         let Some(sizes) = sizes else {
             return Self::default();
         };
+        let iterations = sizes.iterations.clamp(ROOM, MOST);
+        let faces = FACES * iterations;
         Self {
-            vertices: Vec::with_capacity(ITERATIONS + 5),
-            faces: Vec::with_capacity(FACES),
-            candidates: Vec::with_capacity(FACES),
-            horizon: Vec::with_capacity(FACES),
+            vertices: Vec::with_capacity(iterations + 5),
+            faces: Vec::with_capacity(faces),
+            candidates: Vec::with_capacity(faces),
+            horizon: Vec::with_capacity(faces),
             features: Features::new(sizes.corners, sizes.degree),
             ..Self::default()
         }
@@ -88,10 +98,12 @@ impl Polytope {
     pub(super) fn overlap(
         &mut self,
         found: &Found,
-        (revision, discrete): (Revision, bool),
+        (rules, discrete): (Rules, bool),
         support: &impl Fn(Vec3) -> Vertex,
     ) -> Option<Overlap> {
+        let revision = rules.revision;
         (self.revision, self.discrete) = (revision, discrete);
+        (self.tolerance, self.iterations) = (rules.tolerance, rules.iterations);
         self.vertices.clear();
         self.clear_faces();
         let s = &found.simplex;
@@ -323,7 +335,7 @@ impl Polytope {
         let holds = |(face, inner): (&Face, &usize)| {
             let [p, q, r] = face.corners.map(|v| self.vertices[v].x);
             is_on_side_of_fourth([p, q, r, self.vertices[*inner].x])
-                || face.square < TOLERANCE * TOLERANCE
+                || face.square < self.tolerance * self.tolerance
         };
         self.faces.iter().zip(inner).all(holds).then_some(())
     }
@@ -365,9 +377,13 @@ impl Polytope {
     /// `epa`.
     fn expand(&mut self, support: &impl Fn(Vec3) -> Vertex) -> Option<usize> {
         let (mut upper, mut upper_square) = (f64::MAX, f64::MAX);
-        let tolerance = if self.discrete { MINVAL } else { TOLERANCE };
+        let tolerance = if self.discrete {
+            MINVAL
+        } else {
+            self.tolerance
+        };
         let mut face = None;
-        for iteration in 0..ITERATIONS {
+        for iteration in 0..self.iterations.min(MOST) {
             let before = face;
             let mut lower_square = f64::MAX;
             for &candidate in &self.candidates {
@@ -410,7 +426,7 @@ impl Polytope {
                 return None;
             }
             let first = self.faces.len();
-            if first + edges > FACES {
+            if first + edges > FACES * self.iterations {
                 return face;
             }
             for i in 0..edges {

@@ -7,11 +7,27 @@
 
 use crate::Revision;
 use crate::math::spatial::{MINVAL, Vec3, add_scaled, cross, dot, norm, scale, sub};
+use crate::model::CompiledModel;
 
-/// MuJoCo's `ccd_tolerance`.
-pub(super) const TOLERANCE: f64 = 1e-6;
-/// MuJoCo's `ccd_iterations`.
-pub(super) const ITERATIONS: usize = 35;
+/// The rules of a search: those of the release, and where the model's options end it.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Rules {
+    pub(super) revision: Revision,
+    /// MuJoCo's `ccd_tolerance`.
+    pub(super) tolerance: f64,
+    /// MuJoCo's `ccd_iterations`.
+    pub(super) iterations: usize,
+}
+
+impl Rules {
+    pub(super) fn of(m: &CompiledModel) -> Self {
+        Self {
+            revision: m.revision,
+            tolerance: m.opt.ccd_tolerance,
+            iterations: m.opt.ccd_iterations,
+        }
+    }
+}
 
 /// Squared lengths below this count as zero.
 pub(super) const LEAST: f64 = MINVAL * MINVAL;
@@ -71,13 +87,13 @@ impl Found {
 pub(super) fn distance(
     centers: [Vec3; 2],
     reach: f64,
-    (revision, discrete): (Revision, bool),
+    (rules, discrete): (Rules, bool),
     support: &impl Fn(Vec3) -> Vertex,
 ) -> Found {
-    if revision.projects_origin() {
-        distance_4_0(centers, reach, (revision, discrete), support)
+    if rules.revision.projects_origin() {
+        distance_4_0(centers, reach, (rules, discrete), support)
     } else {
-        distance_3_12(centers, reach, (revision, discrete), support)
+        distance_3_12(centers, reach, (rules, discrete), support)
     }
 }
 
@@ -88,11 +104,11 @@ fn toward_origin(x: Vec3, length: f64, support: &impl Fn(Vec3) -> Vertex) -> Ver
 }
 
 /// The least gain, in squared length, for which the search continues.
-fn slack(discrete: bool) -> f64 {
+fn slack(tolerance: f64, discrete: bool) -> f64 {
     if discrete {
         0.0
     } else {
-        0.5 * (TOLERANCE * TOLERANCE)
+        0.5 * (tolerance * tolerance)
     }
 }
 
@@ -113,23 +129,23 @@ fn drop_vertices(simplex: &mut [Vertex; 4], weights: &mut [f64; 4], found: [f64;
 fn distance_3_12(
     centers: [Vec3; 2],
     reach: f64,
-    (revision, discrete): (Revision, bool),
+    (rules, discrete): (Rules, bool),
     support: &impl Fn(Vec3) -> Vertex,
 ) -> Found {
     let (mut simplex, mut weights, mut number) = ([Vertex::default(); 4], [0.0; 4], 0);
     let mut nearest = centers;
     let mut portal = reach == 0.0;
-    let least = if discrete { MINVAL } else { TOLERANCE };
+    let least = if discrete { MINVAL } else { rules.tolerance };
     let mut x = sub(centers[0], centers[1]);
     let (mut length, mut before) = (norm(x), 0.0);
     let mut iteration = 0;
-    while iteration < ITERATIONS {
+    while iteration < rules.iterations {
         if length < least || f64::abs(before - length) < MINVAL {
             break;
         }
         let vertex = toward_origin(x, length, support);
         let s = vertex.x;
-        if dot(x, sub(x, s)) < slack(discrete) {
+        if dot(x, sub(x, s)) < slack(rules.tolerance, discrete) {
             break;
         }
         let along = dot(x, s);
@@ -138,7 +154,7 @@ fn distance_3_12(
         }
         simplex[number] = vertex;
         if number == 3 && portal {
-            match contains_origin(&mut simplex, &mut iteration, support) {
+            match contains_origin(&mut simplex, &mut iteration, rules.iterations, support) {
                 Some(true) => {
                     return Found {
                         distance: 0.0,
@@ -153,7 +169,7 @@ fn distance_3_12(
             }
         }
         number += 1;
-        let found = closest(&simplex.map(|v| v.x)[..number], revision);
+        let found = closest(&simplex.map(|v| v.x)[..number], rules.revision);
         number = drop_vertices(&mut simplex, &mut weights, found);
         if number == 0 {
             return Found::beyond();
@@ -192,19 +208,19 @@ fn distance_3_12(
 fn distance_4_0(
     centers: [Vec3; 2],
     reach: f64,
-    (revision, discrete): (Revision, bool),
+    (rules, discrete): (Rules, bool),
     support: &impl Fn(Vec3) -> Vertex,
 ) -> Found {
     let (mut simplex, mut weights, mut number) = ([Vertex::default(); 4], [0.0; 4], 0);
     let exact = reach > 0.0 || discrete;
-    let least = if exact { MINVAL } else { TOLERANCE };
+    let least = if exact { MINVAL } else { rules.tolerance };
     let mut x = sub(centers[0], centers[1]);
     let mut length = norm(x);
     if length < MINVAL {
         (x, length) = ([1.0, 0.0, 0.0], 1.0);
     }
     let mut separated = false;
-    for iteration in 0..ITERATIONS {
+    for iteration in 0..rules.iterations {
         let vertex = toward_origin(x, length, support);
         let along = dot(x, vertex.x);
         if along > 0.0 {
@@ -213,11 +229,11 @@ fn distance_4_0(
                 return Found::beyond();
             }
         }
-        if iteration > 0 && dot(x, sub(x, vertex.x)) < slack(discrete) {
+        if iteration > 0 && dot(x, sub(x, vertex.x)) < slack(rules.tolerance, discrete) {
             break;
         }
         simplex[number] = vertex;
-        let found = closest(&simplex.map(|v| v.x)[..=number], revision);
+        let found = closest(&simplex.map(|v| v.x)[..=number], rules.revision);
         number = drop_vertices(&mut simplex, &mut weights, found);
         if number == 0 {
             return Found::beyond();
@@ -231,7 +247,7 @@ fn distance_4_0(
         let [a, b, c] = [0, 1, 2].map(|i| simplex[i].x);
         let projected = match number {
             2 => project_on_line(a, b),
-            3 => project(a, b, c, revision),
+            3 => project(a, b, c, rules.revision),
             _ => None,
         };
         x = projected.unwrap_or_else(|| combine(&simplex, &weights, number, |v| v.x));
@@ -281,10 +297,11 @@ fn combine(
 fn contains_origin(
     simplex: &mut [Vertex; 4],
     iteration: &mut usize,
+    most: usize,
     support: &impl Fn(Vec3) -> Vertex,
 ) -> Option<bool> {
     let mut s = *simplex;
-    while *iteration < ITERATIONS {
+    while *iteration < most {
         let faces = [
             signed_distance(&s[2], &s[1], &s[3]),
             signed_distance(&s[0], &s[2], &s[3]),

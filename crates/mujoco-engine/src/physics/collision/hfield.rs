@@ -3,8 +3,8 @@
 
 use super::convex::{Solid, one};
 use super::epa::Polytope;
+use super::gjk::Rules;
 use super::{Push, Shape};
-use crate::Revision;
 use crate::math::spatial::{Mat3, Vec3, add, dot, rotate, rotate_back, sub};
 use crate::model::{CompiledModel, GeomType};
 
@@ -49,7 +49,7 @@ pub(super) fn contacts(
     frame: Shape<'_>,
     other: Solid<'_>,
     (radius, margin): (f64, f64),
-    revision: Revision,
+    rules: Rules,
     polytope: &mut Polytope,
     push: Push<'_>,
 ) {
@@ -79,7 +79,7 @@ pub(super) fn contacts(
     }
     // before 4.0, the margin raises the surface, half of it grows the shape, and prisms beside the
     // shape are not within it
-    let (raised, around, grown) = if revision.treats_prisms_as_shapes() {
+    let (raised, around, grown) = if rules.revision.treats_prisms_as_shapes() {
         (0.0, margin, [0.5 * margin; 2])
     } else {
         (margin, 0.0, [0.0, 0.5 * margin])
@@ -119,7 +119,7 @@ pub(super) fn contacts(
                     mesh: None,
                     prism: Some(&prism),
                 };
-                let touch = one(solid, other, grown, revision, polytope);
+                let touch = one(solid, other, grown, rules, polytope);
                 if let Some(touch) = touch {
                     let mut hit = touch.hit(around);
                     hit.normal = rotate(frame.mat, hit.normal);

@@ -6,6 +6,7 @@ use super::Push;
 use super::convex::{Solid, Touch, one};
 use super::epa::Polytope;
 use super::features::{Edge, Face, Features, edges, outline};
+use super::gjk::Rules;
 use crate::Revision;
 use crate::math::spatial::{
     MINVAL, Vec3, add, add_scaled, cross, dot, norm, normalize, scale, sub,
@@ -40,14 +41,14 @@ pub(super) fn contacts(
     a: Solid<'_>,
     b: Solid<'_>,
     margin: f64,
-    revision: Revision,
+    rules: Rules,
     polytope: &mut Polytope,
     push: Push<'_>,
 ) {
-    let Some(touch) = one(a, b, [0.5 * margin; 2], revision, polytope) else {
+    let Some(touch) = one(a, b, [0.5 * margin; 2], rules, polytope) else {
         return;
     };
-    let features = &mut polytope.features;
+    let (features, revision) = (&mut polytope.features, rules.revision);
     let Some(incidence) = find_incidence([a, b], &touch, (0.5 * margin, revision), features) else {
         push(touch.hit(margin));
         return;

@@ -5,6 +5,7 @@
 use super::convex::{Solid, Touch, one};
 use super::epa::Polytope;
 use super::features::{Edge, Face, Features, edges};
+use super::gjk::Rules;
 use super::manifold::{Incidence, Incident, MOST, PARALLEL, SLOPE, furthest_apart, keep, largest};
 use super::{Push, Vec3};
 use crate::Revision;
@@ -14,14 +15,14 @@ use crate::math::spatial::{add, add_scaled, cross, dot, norm, scale, sub};
 pub(super) fn contacts(
     a: Solid<'_>,
     b: Solid<'_>,
-    revision: Revision,
+    rules: Rules,
     polytope: &mut Polytope,
     push: Push<'_>,
 ) {
-    let Some(mut touch) = one(a, b, [0.0; 2], revision, polytope) else {
+    let Some(mut touch) = one(a, b, [0.0; 2], rules, polytope) else {
         return;
     };
-    let features = &mut polytope.features;
+    let (features, revision) = (&mut polytope.features, rules.revision);
     let Some(incidence) = find_incidence([a, b], &touch, revision, features) else {
         push(touch.hit(0.0));
         return;

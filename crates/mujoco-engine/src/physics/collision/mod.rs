@@ -32,6 +32,7 @@ use box_box::box_box;
 use boxes::{plane_box, sphere_box, sphere_cylinder};
 use capsule_box::capsule_box;
 use convex::Solid;
+use gjk::Rules;
 use hfield::Field;
 use mesh::{Mesh, plane_neighbours, plane_polygon};
 use primitive::{
@@ -153,10 +154,11 @@ pub(in crate::physics) fn touch(
         return;
     }
     let found = &contacts[first..];
-    let near = |contact: &Contact| contact.dist > pair.margin - ROUNDING;
+    let deep = pair.margin - m.opt.ccd_tolerance;
+    let near = |contact: &Contact| contact.dist > deep - ROUNDING;
     let mut dropped =
         pair.boxed && found.iter().all(near) && bounds::apart(m, pair, [a, b], places.inertial);
-    let shallow = |contact: &Contact| sweep::may_separate(contact, pair.margin);
+    let shallow = |contact: &Contact| sweep::may_separate(contact, deep);
     if !dropped && pair.swept && found.iter().all(shallow) {
         let axes = places
             .axes
@@ -230,7 +232,7 @@ pub(super) fn nearest(
                 mesh: meshes[k].as_ref(),
                 prism: None,
             });
-            let touch = convex::within(a, b, ([0.0; 2], most), m.revision, polytope)?;
+            let touch = convex::within(a, b, ([0.0; 2], most), Rules::of(m), polytope)?;
             return Some((touch.dist, touch.points));
         }
     }
@@ -265,24 +267,25 @@ fn general(
         mesh,
         prism: None,
     };
+    let rules = Rules::of(m);
     let b = solid(pair.kind.1, b, second);
     if let Some(field) = Field::of(m, g1) {
         let reach = (m.geom_rbound[g2], margin);
-        hfield::contacts(field, a, b, reach, m.revision, polytope, push);
+        hfield::contacts(field, a, b, reach, rules, polytope, push);
         return;
     }
     let a = solid(pair.kind.0, a, first);
     if m.opt.disables(Disable::MultiCcd) {
-        if let Some(touch) = convex::one(a, b, [0.5 * margin; 2], m.revision, polytope) {
+        if let Some(touch) = convex::one(a, b, [0.5 * margin; 2], rules, polytope) {
             push(touch.hit(margin));
         }
     } else if m.revision.clips_faces() {
-        manifold::contacts(a, b, margin, m.revision, polytope, push);
+        manifold::contacts(a, b, margin, rules, polytope, push);
     } else if margin == 0.0 && a.is_discrete() && b.is_discrete() {
-        manifold_3_12::contacts(a, b, m.revision, polytope, push);
+        manifold_3_12::contacts(a, b, rules, polytope, push);
     } else {
         let apart = 1e-3 * m.geom_rbound[g1].min(m.geom_rbound[g2]);
-        convex::contacts(a, b, (margin, apart), m.revision, polytope, push);
+        convex::contacts(a, b, (margin, apart), rules, polytope, push);
     }
 }
 

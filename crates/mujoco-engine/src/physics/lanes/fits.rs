@@ -50,6 +50,7 @@ pub(crate) fn fits(m: &Model, stride: &Stride) -> bool {
         && sensors::fit(m, stride.sensors())
         && !plan.gravcomp
         && !plan.tendon_armature
+        && !plan.polynomials
         && !plan.surfaces
         && actuators::fit(m)
         && plan.boxes.iter().all(|(_, edges)| edges.is_some())

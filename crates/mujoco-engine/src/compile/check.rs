@@ -2,7 +2,7 @@
 
 use std::fmt::Display;
 
-use super::{features, hfields, meshes, textures, values};
+use super::{features, hfields, meshes, sleep, textures, values};
 use crate::error::ensure;
 use crate::mjcf::{MOST, MOST_KEYS};
 use crate::model::{CompiledModel, GeomType, JointType};
@@ -44,6 +44,7 @@ pub(super) fn check(m: &CompiledModel) -> Result<()> {
     textures::check(m)?;
     others(m)?;
     features::check(m)?;
+    sleep::check(m)?;
     values::check(m)
 }
 

@@ -51,7 +51,7 @@ use crate::mjcf::orientation::{IDENTITY, turned, within};
 use crate::mjcf::spec::{Body, Compiler, Frame, Spec, Statistic};
 use crate::mjcf::store::Assets;
 use crate::mjcf::xml::Place;
-use crate::model::{CompiledModel, ObjectType};
+use crate::model::{CompiledModel, ObjectType, Options};
 use crate::{Model, Result};
 
 /// Computes all fields except those that need the inertia matrix of the initial configuration.
@@ -85,7 +85,7 @@ pub(super) fn compile(spec: &Spec, mut assets: Assets<'_>) -> Result<Box<Compile
     equality::add_equalities(&mut m, spec)?;
     actuator::add_actuators(&mut m, spec)?;
     sensor::add_sensors(&mut m, spec)?;
-    sleep::check(&m, spec, &kept)?;
+    sleep::add_policies(&mut m, spec, &kept)?;
     keyframe::add_keys(&mut m, spec)?;
     check_names(spec)?;
     Ok(m)
@@ -98,6 +98,10 @@ pub(super) fn finish(m: Box<CompiledModel>, spec: &Spec) -> Result<Model> {
     state_statistics(&mut m, &spec.statistic);
     add_spring_dampers(&mut m, spec);
     lengthrange::add_length_ranges(&mut m, spec)?;
+    if !m.tree_sleep_policy.is_empty() {
+        m.opt.enableflags |= Options::SLEEP;
+    }
+    sleep::check_start(&m, spec)?;
     Model::new(*m)
 }
 

@@ -40,6 +40,7 @@ fn options(m: &CompiledModel) -> Result<()> {
         ("opt.ls_tolerance", o.ls_tolerance),
         ("opt.noslip_tolerance", o.noslip_tolerance),
         ("opt.ccd_tolerance", o.ccd_tolerance),
+        ("opt.sleep_tolerance", o.sleep_tolerance),
         ("opt.density", o.density),
         ("opt.viscosity", o.viscosity),
         ("stat.meaninertia", m.stat.meaninertia),

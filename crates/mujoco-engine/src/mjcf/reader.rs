@@ -165,6 +165,7 @@ impl<'a, 'input> Reader<'a, 'input> {
             }
             option.ccd_iterations = iterations;
         }
+        element.set_non_negative("sleep_tolerance", &mut option.sleep_tolerance)?;
         element.set_non_negative("ccd_tolerance", &mut option.ccd_tolerance)?;
         replace(&mut option.magnetic, element.numbers("magnetic")?);
         if let Some(groups) = element.list("actuatorgroupdisable")? {
@@ -176,9 +177,7 @@ impl<'a, 'input> Reader<'a, 'input> {
             }
         }
         // attributes of features that are unsupported, or off by default
-        element.ignore(
-            "o_margin o_solref o_solimp o_friction sdf_iterations sdf_initpoints sleep_tolerance",
-        );
+        element.ignore("o_margin o_solref o_solimp o_friction sdf_iterations sdf_initpoints");
         for child in element.children()? {
             if child.name() != "flag" {
                 return Err(element.unsupported(&child, &["flag"]));

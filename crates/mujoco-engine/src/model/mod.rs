@@ -123,6 +123,15 @@ pub struct CompiledModel {
     /// Gravity compensation, as a fraction of the body's weight.
     pub body_gravcomp: Vec<f64>,
 
+    /// When each tree of bodies falls asleep, as MuJoCo's `mjtSleepPolicy`: 1 and 3 never, 2 and 4
+    /// where it rests, 5 from the start. Empty if the flag `sleep` is off.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub tree_sleep_policy: Vec<u8>,
+    /// The length that makes the velocity of a degree of freedom one of translation. Empty if the
+    /// flag `sleep` is off.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub dof_length: Vec<f64>,
+
     /// The joint's degrees of freedom.
     pub jnt_type: Vec<JointType>,
     /// First number of the joint in `qpos`.

@@ -26,6 +26,8 @@ pub(crate) struct Pair {
     pub(crate) boxed: bool,
     /// Whether boxes around the bodies must overlap too.
     pub(crate) swept: bool,
+    /// Whether the model lists the pair.
+    pub(crate) listed: bool,
     pub(crate) dim: u8,
     /// The number of rows of a contact.
     pub(crate) rows: usize,
@@ -189,6 +191,7 @@ impl Plan {
             reach: m.geom_rbound[g1] + m.geom_rbound[g2] + margin,
             boxed: figures.boxed,
             swept: figures.swept,
+            listed: figures.listed,
             dim,
             rows: match (dim, m.opt.cone) {
                 (1, _) => 1,
@@ -247,6 +250,7 @@ struct Figures {
     gap: f64,
     boxed: bool,
     swept: bool,
+    listed: bool,
 }
 
 impl Figures {
@@ -262,6 +266,7 @@ impl Figures {
             gap: m.pair_gap[i],
             boxed: false,
             swept: false,
+            listed: true,
         }
     }
 
@@ -281,6 +286,7 @@ impl Figures {
             gap: m.geom_gap[g1] + m.geom_gap[g2],
             boxed: !m.opt.disables(Disable::MidPhase)
                 && [g1, g2].map(|g| m.body_geomnum[m.geom_bodyid[g]]) != [1; 2],
+            listed: false,
             swept: !m.revision.sweeps_otherwise()
                 && [g1, g2].iter().all(|g| is_swept(m, m.geom_bodyid[*g])),
         }

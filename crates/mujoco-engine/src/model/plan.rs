@@ -47,7 +47,7 @@ pub(crate) struct Plan {
     /// The sizes of polygons, if some pair needs the general routine for convex shapes.
     pub(crate) deep: Option<Polygons>,
     /// The model's sizes on which buffer sizes depend.
-    pub(crate) sizes: [usize; 16],
+    pub(crate) sizes: [usize; 17],
     /// Joints with limits.
     pub(crate) limits: Vec<Limit>,
     /// Equality constraints, dry friction and tendon limits.
@@ -90,6 +90,8 @@ pub(crate) struct Plan {
     pub(crate) gravity: [f64; 3],
     /// Whether Euler's method treats damping implicitly.
     pub(crate) damped: bool,
+    /// Whether trees may fall asleep.
+    pub(crate) sleeps: bool,
     /// Whether springs or dampers have factors of higher powers.
     pub(crate) polynomials: bool,
     /// Whether the model's integrator is Euler with implicit damping.
@@ -201,7 +203,7 @@ impl Plan {
             bounds: Vec::new(),
             reaches: Vec::new(),
             deep: None,
-            sizes: [0; 16],
+            sizes: [0; 17],
             limits: Vec::new(),
             sparse: m.opt.jacobian == 1 || m.opt.jacobian == 2 && m.nv() >= 60,
             inequalities_only: {
@@ -221,7 +223,7 @@ impl Plan {
             gravcomp: !off(Disable::Gravity)
                 && m.opt.gravity != [0.0; 3]
                 && m.body_gravcomp.iter().any(|part| *part != 0.0),
-            measures: m.nsensor() > 0 || m.opt.enableflags != 0,
+            measures: m.nsensor() > 0 || m.opt.enableflags & !super::Options::SLEEP != 0,
             internal: m
                 .sensor_type
                 .iter()
@@ -237,6 +239,7 @@ impl Plan {
             } else {
                 m.opt.gravity
             },
+            sleeps: m.opt.sleeps(),
             polynomials: ![
                 &m.jnt_stiffnesspoly,
                 &m.dof_dampingpoly,
@@ -323,6 +326,7 @@ impl Plan {
             plan.deep
                 .map_or(0, |polygons| 1 + polygons.corners + polygons.degree),
             plan.deep.map_or(0, |polygons| polygons.iterations),
+            usize::from(plan.sleeps),
         ];
         Ok(plan)
     }

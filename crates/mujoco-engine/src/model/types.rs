@@ -42,6 +42,8 @@ pub struct Options {
     pub ccd_iterations: usize,
     /// The precision of such a search.
     pub ccd_tolerance: f64,
+    /// The velocity below which a tree may fall asleep.
+    pub sleep_tolerance: f64,
     /// The magnetic field.
     pub magnetic: [f64; 3],
     /// Disabled parts: bits of MuJoCo's `mjtDisableBit`, see [`Disable`].
@@ -75,12 +77,24 @@ impl Default for Options {
             noslip_tolerance: 1e-6,
             ccd_iterations: 35,
             ccd_tolerance: 1e-6,
+            sleep_tolerance: 1e-3,
             magnetic: [0.0, -0.5, 0.0],
             disableflags: 0,
             enableflags: 0,
             disableactuator: 0,
             jacobian: 2,
         }
+    }
+}
+
+impl Options {
+    /// MuJoCo's `mjENBL_SLEEP`.
+    pub(crate) const SLEEP: u32 = 1 << 4;
+
+    /// Whether trees of bodies may fall asleep.
+    #[must_use]
+    pub fn sleeps(&self) -> bool {
+        self.enableflags & Self::SLEEP != 0
     }
 }
 

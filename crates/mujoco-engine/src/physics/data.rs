@@ -1,6 +1,7 @@
 //! A state, and everything computed from it.
 
 mod ahead;
+mod asleep;
 mod check;
 mod keyframe;
 
@@ -10,7 +11,9 @@ use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
 use crate::math::spatial::IDENTITY;
 use crate::physics::lanes::most_len;
-use crate::physics::{Call, Constraints, Work, inverse, rne_post_constraint, step1, step2};
+use crate::physics::{
+    Call, Constraints, Work, inverse, rne_post_constraint, start_asleep, step1, step2,
+};
 use crate::{Model, forward, step};
 
 /// A state of a model, and the results of the last forward call: MuJoCo's `mjData`.
@@ -51,6 +54,11 @@ pub struct Data {
     pub qacc_warmstart: Vec<f64>,
     /// Accelerations (nv).
     pub qacc: Vec<f64>,
+    /// For each tree of bodies, if trees may sleep: the next tree of those that sleep together, or -1
+    /// minus the number of steps after which it may fall asleep.
+    pub tree_asleep: Vec<i32>,
+    /// Positions at which trees sleep, and those of mocap bodies.
+    pub(crate) asleep_qpos: Vec<f64>,
     /// Numbers of the user, of any length: the engine stores and clones them, and
     /// [`reset`](Self::reset) removes them.
     pub userdata: Vec<f64>,
@@ -189,6 +197,11 @@ struct State {
     /// The accelerations from which inverse dynamics started; empty for other calls.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     qacc: Vec<f64>,
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    tree_asleep: Vec<i32>,
+    /// What is not computed anew while trees sleep: positions, forces, accelerations and sensors.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    asleep: Vec<f64>,
 }
 
 /// Copies a state, with empty arrays of applied forces unless the last argument is true; or some of
@@ -339,6 +352,8 @@ macro_rules! arrays {
             $m.nsite(), [0.0; 3] => site_xpos;
             $m.nsite(), IDENTITY => site_xmat;
             $m.nv(), [0.0; 6] => cdof cdof_dot;
+            if $m.plan().sleeps { $m.ntree() } else { 0 }, $crate::physics::AWAKE => tree_asleep;
+            if $m.plan().sleeps { $m.nq() + 7 * $m.nmocap() } else { 0 }, 0.0 => asleep_qpos;
         }
     };
     ($d:ident, $do:path: $($length:expr, $value:expr => $($array:ident)+;)+) => {
@@ -399,6 +414,9 @@ impl Data {
         d.contact.clear();
         d.efc.clear();
         d.solver_niter.clear();
+        if m.plan().sleeps {
+            start_asleep(m, d);
+        }
     }
 
     /// Whether derived arrays were computed from the state; [`resume`](Self::resume) computes them
@@ -476,6 +494,7 @@ impl Data {
     fn state(&self) -> State {
         let mut state = State::default();
         copy_state!(self => state, self.is_pushed());
+        self.put_asleep(&mut state);
         state
     }
 
@@ -490,6 +509,7 @@ impl Data {
 
     fn set(&mut self, state: &State) {
         copy_state!(state => self, true);
+        self.take_asleep(state);
     }
 
     /// Stores the state from which a call starts.
@@ -499,6 +519,11 @@ impl Data {
         self.work.skips = false;
         self.last = Some(call);
         copy_state!(self => self.before, self.work.pushed);
+        if m.plan().sleeps {
+            let mut before = std::mem::take(&mut self.before);
+            self.put_asleep(&mut before);
+            self.before = before;
+        }
         self.before.qacc.clear();
         if call == Call::Inverse {
             self.before.qacc.clone_from(&self.qacc);

@@ -2,6 +2,7 @@
 
 use super::inertia::multiply;
 use super::passive::{polynomials, stretch};
+use super::sleep;
 use crate::math::dense::dot_slices;
 use crate::math::spatial::{InTurn, Order, Pairwise, Vec3, dot, norm, sub};
 use crate::model::{Disable, JointType};
@@ -15,7 +16,11 @@ pub(super) fn potential(m: &Model, d: &Data) -> f64 {
             energy -= m.body_mass[b] * dot(m.opt.gravity, d.xipos[b]);
         }
     }
+    let sleeps = m.plan().sleeps && !m.revision.counts_resting_springs();
     for &j in &m.plan().springs {
+        if sleeps && !d.work.tree_awake[m.dof_treeid[m.jnt_dofadr[j]]] {
+            continue;
+        }
         let (p, higher) = (m.jnt_qposadr[j], m.jnt_stiffnesspoly[j]);
         let spring = |x: f64| polynomials::energy(m.jnt_stiffness[j], higher, x);
         match m.jnt_type[j] {
@@ -31,6 +36,9 @@ pub(super) fn potential(m: &Model, d: &Data) -> f64 {
     }
     if !m.opt.disables(Disable::Spring) {
         for t in 0..m.ntendon() {
+            if sleeps && sleep::tendon_rests(m, &d.work.tree_awake, t) {
+                continue;
+            }
             let x = stretch(d.ten_length[t], m.tendon_lengthspring[t]);
             energy += polynomials::energy(m.tendon_stiffness[t], m.tendon_stiffnesspoly[t], x);
         }

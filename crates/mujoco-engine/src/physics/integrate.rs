@@ -4,7 +4,7 @@ use std::f64::consts::PI;
 
 use super::actuation::advance;
 use super::inertia::{add_damping, factor_damped, solve};
-use super::{evaluate, implicit};
+use super::{evaluate, implicit, sleep};
 use crate::math::libm::{self, wide};
 use crate::math::number::Number;
 use crate::math::spatial::{InTurn, Order, Pairwise, Vec3, add_scaled, cross, dot, scale};
@@ -88,7 +88,10 @@ fn semi_implicit(m: &Model, d: &mut Data) {
         factor_damped(m, d);
     }
     let whole = m.opt.integrator == Integrator::Implicit;
-    if fast || late || whole || m.plan().implicit {
+    let sleeps = m.plan().sleeps;
+    let damped = m.plan().implicit && !(sleeps && sleep::is_undamped(m, d));
+    let stiff = fast || late || whole || damped;
+    if stiff {
         let forces = d.qfrc_smooth.iter().zip(&d.qfrc_constraint);
         for (sum, (smooth, constraint)) in d.work.acc_sum.iter_mut().zip(forces) {
             *sum = smooth + constraint;
@@ -113,10 +116,16 @@ fn semi_implicit(m: &Model, d: &mut Data) {
         advance(m, d, &rates);
         d.act_dot = rates;
     }
+    if sleeps {
+        sleep::fall_asleep(m, d, !stiff);
+    }
     for (velocity, acceleration) in d.qvel.iter_mut().zip(&d.work.acc_sum) {
         *velocity += dt * acceleration;
     }
     integrate_pos(m, &mut d.qpos, &d.qvel, dt);
+    if sleeps {
+        sleep::stay(m, d);
+    }
     d.time += dt;
     d.qacc_warmstart.copy_from_slice(&d.qacc);
 }

@@ -13,6 +13,7 @@
 //! | `actuation`, `muscle` | actuators |
 //! | `solver` | constraint forces: Newton's method, conjugate gradients, projected Gauss-Seidel |
 //! | `sensor` and files named `..._sensor`, `ray`, `energy`, `post_constraint` | sensors, and what they need |
+//! | `sleep` | which trees of bodies rest, and what wakes them |
 //! | `integrate`, `implicit`, `free`, `fluid_slopes` | Euler, Runge-Kutta, implicit integrators |
 //! | `inverse` | forces from accelerations |
 //!
@@ -84,6 +85,7 @@ mod range_sensor;
 mod ray;
 mod rows;
 mod sensor;
+mod sleep;
 mod solver;
 mod surface;
 mod tendon;
@@ -109,6 +111,7 @@ pub use post_constraint::rne_post_constraint;
 pub use ray::{ray, ray_among, ray_shape};
 pub use rows::make_constraint;
 use sensor::sensors;
+pub(crate) use sleep::{AWAKE, start as start_asleep, trees_of_tendon};
 pub use solver::fwd_constraint;
 pub use tendon::{tendon, tendon_velocity};
 pub(crate) use transmission::moment;
@@ -308,12 +311,22 @@ compiled! {
 /// The stages that depend on positions: MuJoCo's `mj_fwdPosition`.
 #[inline(always)]
 fn fwd_position(m: &Model, d: &mut Data) {
+    let sleeps = m.plan().sleeps;
+    if sleeps {
+        sleep::wake_disturbed(m, d);
+    }
     find_frames(m, d);
     com_pos(m, d);
     tendon(m, d);
+    if sleeps {
+        sleep::wake_by_tendons(m, d);
+    }
     crb(m, d);
     factor_m(m, d);
     collision(m, d);
+    if sleeps {
+        sleep::wake_by_constraints(m, d);
+    }
     make_constraint(m, d);
     if m.plan().transmits {
         transmission(m, d);
@@ -341,6 +354,10 @@ fn fwd_velocity(m: &Model, d: &mut Data) {
 /// Computes the accelerations without constraints: MuJoCo's `mj_fwdAcceleration`.
 #[inline(always)]
 fn fwd_acceleration(m: &Model, d: &mut Data) {
+    let sleeps = m.plan().sleeps;
+    if sleeps {
+        sleep::keep_forces(d);
+    }
     let inner = d.qfrc_passive.iter().zip(&d.qfrc_bias);
     let outer = d.qfrc_applied.iter().zip(&d.qfrc_actuator);
     let forces = inner.zip(outer);
@@ -353,6 +370,9 @@ fn fwd_acceleration(m: &Model, d: &mut Data) {
     d.qacc_smooth.copy_from_slice(&d.qfrc_smooth);
     let (inverses, way) = (&d.qld_diag_inv, &mut d.work.way);
     inertia::solve(m, &d.qld, inverses, way, &mut d.qacc_smooth);
+    if sleeps {
+        sleep::restore_forces(m, d);
+    }
 }
 
 /// Adds `xfrc_applied`, the external forces on bodies.

@@ -5,7 +5,7 @@ use super::energy::{computed, kinetic, potential};
 use super::post_constraint::rne_post_constraint;
 use super::ray::ray_shape;
 use super::tendon::pulling;
-use super::{contact_sensor, distance_sensor, range_sensor};
+use super::{contact_sensor, distance_sensor, range_sensor, sleep};
 use crate::math::libm;
 use crate::math::spatial::{
     InTurn, MINVAL, Mat3, Order, Pairwise, Quat, Vec3, Vec6, add, column, cross, dot, inverse,
@@ -40,9 +40,10 @@ pub(super) fn sensors(m: &Model, d: &mut Data, stages: &[Stage]) {
         rne_post_constraint(m, d);
         d.contact_forces = false;
     }
+    let sleeps = m.plan().sleeps;
     for i in 0..m.nsensor() {
         let stage = m.sensor_type[i].stage();
-        if !stages.contains(&stage) {
+        if !stages.contains(&stage) || (sleeps && sleep::sensor_rests(m, &d.work.tree_awake, i)) {
             continue;
         }
         let kind = m.sensor_type[i];

@@ -13,7 +13,7 @@ use crate::model::Cone;
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Work {
     /// The sizes of the model that the buffers fit.
-    sizes: Option<[usize; 16]>,
+    sizes: Option<[usize; 17]>,
     /// Whether an external force acts on a joint or a body.
     pub(crate) pushed: bool,
     /// Whether to leave out frames of geoms and sites that no stage reads.
@@ -50,6 +50,13 @@ pub(crate) struct Work {
 
     pub(crate) polytope: Polytope,
 
+    /// Whether each tree is awake, if trees may sleep.
+    pub(crate) tree_awake: Vec<bool>,
+    /// Whether a step computes accelerations again because trees fell asleep.
+    pub(crate) settled: bool,
+    /// Forces and accelerations of trees that sleep.
+    pub(crate) kept: Vec<f64>,
+
     /// The island of each tree; `usize::MAX` for none.
     pub(crate) tree_island: Vec<usize>,
     pub(crate) tree_least: Vec<usize>,
@@ -84,6 +91,9 @@ impl Work {
             Cone::Pyramidal => 0,
         };
         Self {
+            tree_awake: vec![true; if m.plan().sleeps { trees } else { 0 }],
+            settled: false,
+            kept: Vec::with_capacity(if m.plan().sleeps { 2 * nv } else { 0 }),
             tree_island: Vec::with_capacity(trees),
             tree_least: Vec::with_capacity(trees),
             tree_touched: Vec::with_capacity(trees),
@@ -138,6 +148,13 @@ pub(crate) trait Poison {
 impl Poison for f64 {
     fn poison(&mut self) {
         *self = f64::NAN;
+    }
+}
+
+#[cfg(test)]
+impl Poison for i32 {
+    fn poison(&mut self) {
+        *self = Self::MAX;
     }
 }
 

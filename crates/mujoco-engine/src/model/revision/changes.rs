@@ -35,6 +35,8 @@ changes! {
     fuses_first since V3_17;
     /// Copies by `replicate` leave the controls and activations in keyframes of attached models.
     keeps_attached_controls since V3_17;
+    /// Bodies that cannot sleep from the start, although they are told to, stay awake.
+    wakes_from_the_start since V3_17;
     /// Contacts make no constraints where no degree of freedom moves one body relative to the
     /// other.
     drops_rigid_pairs since V3_17;
@@ -135,4 +137,6 @@ changes! {
     turns_weld_torques since V3_17;
     /// A sensor of the sum of contacts has a normal and a tangent only if there is a contact.
     sums_no_contacts_to_zero since V3_17;
+    /// Springs of bodies that sleep have energy.
+    counts_resting_springs since V4_0;
 }

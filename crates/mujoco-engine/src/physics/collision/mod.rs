@@ -18,6 +18,7 @@ mod mesh;
 mod primitive;
 mod sweep;
 
+use super::sleep;
 use crate::math::number::{self, Number};
 use crate::math::spatial::{
     Mat3, Vec3, add_scaled, column, cross, dot, norm, normalize, sub, unit,
@@ -81,12 +82,26 @@ impl Hit {
 
 /// Finds all contacts: MuJoCo's `mj_collision`.
 pub fn collision(m: &Model, d: &mut Data) {
+    if m.plan().sleeps {
+        let awake = std::mem::take(&mut d.work.tree_awake);
+        collide(m, d, |index| {
+            sleep::rests(m, &awake, &m.plan().pairs[index])
+        });
+        d.work.tree_awake = awake;
+    } else {
+        collide(m, d, |_| false);
+    }
+}
+
+/// [`collision`], without the pairs that rest.
+#[inline(always)]
+fn collide(m: &Model, d: &mut Data, rests: impl Fn(usize) -> bool) {
     d.contact.clear();
     let (plan, n) = (m.plan(), m.ngeom());
     let (xpos, xmat) = (&d.geom_xpos[..n], &d.geom_xmat[..n]);
     let mut axes = None;
     for (index, reach) in plan.reaches.iter().enumerate() {
-        if out_of_reach(xpos, xmat, reach) {
+        if out_of_reach(xpos, xmat, reach) || rests(index) {
             continue;
         }
         let frames = plan.pairs[index].geom.map(|g| (xpos[g], &xmat[g]));

@@ -2,8 +2,20 @@
 
 use super::{Data, State};
 use crate::math::MAXVAL;
-use crate::physics::Call;
+use crate::physics::{AWAKE, Call};
 use crate::{Error, Model, Result};
+
+/// Whether trees are awake, or lead to each other in cycles.
+fn is_cyclic(asleep: &[i32]) -> bool {
+    let mut followed = vec![false; asleep.len()];
+    asleep.iter().all(|next| match usize::try_from(*next) {
+        Err(_) => *next >= AWAKE,
+        Ok(next) => {
+            let sleeps = asleep.get(next).is_some_and(|other| *other >= 0);
+            sleeps && !std::mem::replace(&mut followed[next], true)
+        }
+    })
+}
 
 impl Data {
     /// Checks that the data fits the model, for instance after reading a snapshot.
@@ -17,6 +29,14 @@ impl Data {
             let applied = |length: usize| if none { 0 } else { length };
             let inverse = self.last == Some(Call::Inverse) && state.qacc.len() == m.nv();
             let nqacc = if inverse { m.nv() } else { 0 };
+            let (trees, asleep) = if m.plan().sleeps {
+                (
+                    m.ntree(),
+                    m.nq() + 7 * m.nmocap() + 2 * m.nv() + m.nsensordata(),
+                )
+            } else {
+                (0, 0)
+            };
             for (name, have, length) in [
                 ("qpos", state.qpos.len(), m.nq()),
                 ("qvel", state.qvel.len(), m.nv()),
@@ -28,11 +48,18 @@ impl Data {
                 ("qfrc_applied", state.qfrc_applied.len(), applied(m.nv())),
                 ("xfrc_applied", state.xfrc_applied.len(), applied(m.nbody())),
                 ("qacc", state.qacc.len(), nqacc),
+                ("tree_asleep", state.tree_asleep.len(), trees),
+                ("asleep", state.asleep.len(), asleep),
             ] {
                 if have != length {
                     let reason = format!("{name} has {have} elements, the model needs {length}");
                     return Err(Error::Data(reason));
                 }
+            }
+            if !is_cyclic(&state.tree_asleep) {
+                let reason =
+                    "tree_asleep has a number that is no tree, or trees that sleep in no cycle";
+                return Err(Error::Data(reason.to_owned()));
             }
         }
         Ok(())
@@ -53,6 +80,7 @@ impl Data {
                 &state.qfrc_applied,
                 state.xfrc_applied.as_flattened(),
                 &state.qacc,
+                &state.asleep,
             ];
             state.time.is_finite()
                 && parts.into_iter().flatten().all(within(MAXVAL))

@@ -51,6 +51,7 @@ pub(crate) fn fits(m: &Model, stride: &Stride) -> bool {
         && !plan.gravcomp
         && !plan.tendon_armature
         && !plan.polynomials
+        && !plan.sleeps
         && !plan.surfaces
         && actuators::fit(m)
         && plan.boxes.iter().all(|(_, edges)| edges.is_some())

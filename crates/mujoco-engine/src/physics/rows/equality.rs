@@ -8,12 +8,17 @@ use crate::math::spatial::{
 use crate::model::{Equality, EqualityType, ObjectType};
 use crate::physics::constraint::{Constraints, Kind, Source, push_block, set_row};
 use crate::physics::jacobian::moves_apart;
+use crate::physics::sleep;
 use crate::{Data, Model};
 
 /// Adds the rows of active equality constraints: MuJoCo's `mj_instantiateEquality`.
 #[inline(never)]
 pub(super) fn equality(m: &Model, d: &mut Data) {
-    for constraint in &m.plan().constraints.equalities {
+    let plan = m.plan();
+    for constraint in &plan.constraints.equalities {
+        if plan.sleeps && sleep::equality_rests(m, &d.work.tree_awake, constraint.id) {
+            continue;
+        }
         match (constraint.kind, m.revision.adds_in_pairs()) {
             (EqualityType::Connect | EqualityType::Weld, false) => {
                 bodies::<InTurn>(m, d, constraint);

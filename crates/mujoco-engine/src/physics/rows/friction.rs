@@ -8,8 +8,12 @@ use crate::{Data, Model};
 /// Adds rows of dry friction: MuJoCo's `mj_instantiateFriction`.
 #[inline(never)]
 pub(super) fn friction(m: &Model, d: &mut Data) {
-    let constraints = &m.plan().constraints;
+    let plan = m.plan();
+    let constraints = &plan.constraints;
     for constraint in &constraints.dof_frictions {
+        if plan.sleeps && !d.work.tree_awake[m.dof_treeid[constraint.id]] {
+            continue;
+        }
         let (dof, tree) = (constraint.id, m.dof_treeid[constraint.id]);
         let source = Source::DofFriction(dof);
         let row = push_block(&mut d.efc, source, Kind::Friction, 1, dof / 4 + 1, tree);

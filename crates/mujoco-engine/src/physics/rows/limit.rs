@@ -20,6 +20,9 @@ pub(super) fn joint_limits(m: &Model, d: &mut Data) {
         if !dists.iter().any(|dist| *dist < limit.margin) {
             continue;
         }
+        if m.plan().sleeps && !d.work.tree_awake[limit.tree] {
+            continue;
+        }
         for (side, dist) in [1.0, -1.0].into_iter().zip(dists) {
             if dist < limit.margin {
                 let efc = &mut d.efc;
@@ -46,6 +49,9 @@ fn ball_limit(m: &Model, d: &mut Data, limit: &Limit) {
     let (axis, angle) = normalize(quat_to_velocity(quat));
     let dist = limit.range[0].max(limit.range[1]) - angle;
     if dist >= limit.margin {
+        return;
+    }
+    if m.plan().sleeps && !d.work.tree_awake[limit.tree] {
         return;
     }
     let efc = &mut d.efc;

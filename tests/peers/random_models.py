@@ -42,6 +42,11 @@ class Writer:
     def numbers(self, count, low, high):
         return " ".join(self.number(low, high) for _ in range(count))
 
+    def polynomial(self, most):
+        """A factor, in some cases with those of higher powers."""
+        higher = f" {self.numbers(self.one_of(1, 2), -1, 2)}" if self.chance(0.2) else ""
+        return self.number(0, most) + higher
+
     def one_of(self, *choices):
         return choices[self.rng.randint(len(choices))]
 
@@ -109,6 +114,7 @@ class Writer:
             priority=lambda: self.one_of(0, 1),
             margin=lambda: self.number(0, 0.1),
             gap=lambda: self.number(0, 0.05),
+            adhesion=lambda: self.one_of("0", "0", self.number(0, 5)),
             solmix=lambda: self.number(0, 3),
             fluidshape=lambda: self.one_of("none", "ellipsoid"),
             **self.softness(),
@@ -122,8 +128,8 @@ class Writer:
         self.joints.append((name, kind))
         attributes = dict(
             pos=lambda: self.numbers(3, -0.1, 0.1),
-            stiffness=lambda: self.number(0, 5),
-            damping=lambda: self.number(0, 5),
+            stiffness=lambda: self.polynomial(5),
+            damping=lambda: self.polynomial(5),
             armature=lambda: self.number(0, 1),
             frictionloss=lambda: self.number(0, 1),
             margin=lambda: self.number(0, 0.1),
@@ -171,8 +177,8 @@ class Writer:
 
     def tendon(self):
         attributes = self.some(
-            stiffness=lambda: self.number(0, 5),
-            damping=lambda: self.number(0, 3),
+            stiffness=lambda: self.polynomial(5),
+            damping=lambda: self.polynomial(3),
             frictionloss=lambda: self.number(0, 1),
             margin=lambda: self.number(0, 0.1),
             springlength=lambda: self.one_of(self.number(0, 1), f"{self.number(0, 0.2)} {self.number(0.3, 0.5)}"),
@@ -238,6 +244,7 @@ class Writer:
             friction=lambda: self.numbers(self.one_of(1, 3, 5), 0.1, 1),
             margin=lambda: self.number(0, 0.1),
             gap=lambda: self.number(0, 0.1),
+            adhesion=lambda: self.one_of("0", self.number(0, 5)),
             **self.softness(),
         )
         return "" if of == other else f'<pair geom1="{first}" geom2="{second}"{attributes}/>'
@@ -274,8 +281,11 @@ class Writer:
             cone=lambda: self.one_of("elliptic", "pyramidal"),
             integrator=lambda: self.one_of("Euler", "RK4", "implicit"),
             solver=lambda: self.one_of("Newton", "CG", "PGS"),
+            ccd_iterations=lambda: self.one_of(5, 20, 50),
+            ccd_tolerance=lambda: self.one_of("1e-7", "1e-9"),
+            sleep_tolerance=lambda: self.one_of("1e-2", "1"),
         )
-        flags = ("frictionloss", "limit", "contact", "spring", "damper", "gravity", "clampctrl", "filterparent", "actuation", "multiccd")
+        flags = ("frictionloss", "limit", "contact", "spring", "damper", "gravity", "clampctrl", "filterparent", "actuation", "multiccd", "sleep")
         flag = self.some(**{name: lambda: self.one_of("enable", "disable") for name in flags}) if self.chance(0.2) else ""
         compiler = self.some(boundmass=lambda: self.number(0, 0.5), eulerseq=lambda: self.one_of("zyx", "XYZ"), angle="radian")
         compiler += self.some(fitaabb="true")

@@ -122,7 +122,7 @@ fn lengths(m: &CompiledModel) -> Result<()> {
     same_length!(
         m, m.ngeom(),
         geom_bodyid geom_contype geom_conaffinity geom_condim geom_priority geom_size geom_rbound
-        geom_pos geom_quat geom_friction geom_solmix geom_solref geom_solimp geom_margin geom_gap
+        geom_pos geom_quat geom_friction geom_solmix geom_solref geom_solimp geom_margin geom_gap geom_adhesion
         geom_rgba geom_group geom_matid geom_fluid geom_surfacevel
     );
     same_length!(m, m.mat_rgba.len(), mat_texid mat_texrepeat mat_texuniform mat_emission mat_specular mat_shininess);
@@ -156,7 +156,7 @@ fn lengths(m: &CompiledModel) -> Result<()> {
     );
     same_length!(
         m, m.pair_dim.len(),
-        pair_geom1 pair_geom2 pair_solref pair_solreffriction pair_solimp pair_margin pair_gap
+        pair_geom1 pair_geom2 pair_solref pair_solreffriction pair_solimp pair_margin pair_gap pair_adhesion
         pair_friction
     );
     same_length!(m, m.key_time.len(), key_qpos key_qvel key_ctrl key_act key_mpos key_mquat);

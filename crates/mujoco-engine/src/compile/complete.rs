@@ -22,6 +22,7 @@ impl CompiledModel {
         let (nu, ntendon, nkey) = (self.nu(), self.ntendon(), self.key_time.len());
         let (ncam, nmat, nsensor) = (self.cam_bodyid.len(), self.mat_rgba.len(), self.nsensor());
         let (nwrap, neq, nsite) = (self.wrap_objid.len(), self.neq(), self.nsite());
+        let npair = self.pair_dim.len();
         let (one, nothing) = (Parameters(padded(&[1.0])), Parameters::default());
         let m = self;
         arrays! { m, fill:
@@ -36,6 +37,8 @@ impl CompiledModel {
             ngeom, Fluid::default() => geom_fluid;
             ngeom, -1 => geom_dataid;
             ngeom, [0.0; 6] => geom_surfacevel;
+            ngeom, 0.0 => geom_adhesion;
+            npair, 0.0 => pair_adhesion;
             ncam, 0 => cam_projection;
             ncam, [1; 2] => cam_resolution;
             ncam, [0.0; 2] => cam_sensorsize;

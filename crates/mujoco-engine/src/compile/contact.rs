@@ -50,6 +50,7 @@ pub(super) fn add_pairs(m: &mut CompiledModel, spec: &Spec) -> Result<()> {
         m.pair_solimp.push(pair.solimp);
         m.pair_margin.push(pair.margin);
         m.pair_gap.push(pair.gap);
+        m.pair_adhesion.push(pair.adhesion);
     }
     Ok(())
 }

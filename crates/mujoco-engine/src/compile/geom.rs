@@ -146,6 +146,7 @@ pub(super) fn add_geom(
     m.geom_solimp.push(geom.solimp);
     m.geom_margin.push(geom.margin);
     m.geom_gap.push(geom.gap);
+    m.geom_adhesion.push(geom.adhesion);
     m.geom_rgba.push(single(geom.rgba));
     m.geom_group.push(geom.group);
     m.geom_matid.push(if discards { -1 } else { material });

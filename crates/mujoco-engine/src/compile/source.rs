@@ -19,7 +19,7 @@ impl Model {
     /// | `compiler` | angle, eulerseq, autolimits, inertiafromgeom, inertiagrouprange, balanceinertia, boundmass, boundinertia, settotalmass, meshdir, assetdir, strippath, fitaabb, fusestatic, discardvisual, alignfree, coordinate="local" |
     /// | `option` | timestep, gravity, wind, magnetic, density, viscosity, cone, impratio, solver, iterations, ls_iterations, tolerance, noslip_iterations, noslip_tolerance, ccd_iterations, ccd_tolerance, sleep_tolerance, integrator, `flag` |
     /// | bodies | `body` (mocap, gravcomp, sleep), `frame`, `replicate`, `attach`, `inertial`; all joints with springs, dampers, dry friction, limits, align; sites, all cameras and lights |
-    /// | `geom` | plane, hfield, sphere, capsule, ellipsoid, cylinder, box; fluidshape; surfacevel; all contact parameters; meshes, and shapes fitted to them |
+    /// | `geom` | plane, hfield, sphere, capsule, ellipsoid, cylinder, box; fluidshape; surfacevel; adhesion; all contact parameters; meshes, and shapes fitted to them |
     /// | `asset` | model, for `attach`; mesh, of a file (STL, OBJ, MSH), of vertices in the text or builtin (sphere, hemisphere, supersphere, supertorus, cone): scale, refpos, refquat, inertia, smoothnormal, maxhullvert; hfield, of a file (PNG, or MuJoCo's binary) or of elevations in the text |
     /// | `contact` | pair, exclude |
     /// | `equality` | connect, weld, joint, tendon |
@@ -35,11 +35,12 @@ impl Model {
     /// `body` outermost, is a model without the part. What refers to a part of a `replicate`, or to an
     /// attached part, is copied with it. Options of attached models have no effect.
     ///
-    /// Errors are composites, flexes, plugins, signed distance fields, adhesion of geoms, delays, the actuators dcmotor, pid and
-    /// orientation, and the sensors user, tactile and plugin. So are more than 4000
-    /// objects of a kind other than sites, more than 200,000 elements in bodies, and more than 8 MiB of
-    /// their names, all with the copies that `replicate` and `attach` make; matrices of more than 2 GiB;
-    /// more than 10 models within each other; and files of meshes or of height fields with more than 256 MiB together.
+    /// Errors are composites, flexes, plugins, signed distance fields, delays, the actuators dcmotor,
+    /// pid and orientation, and the sensors user, tactile and plugin. So are more than 4000 objects of
+    /// a kind other than sites, more than 200,000 elements in bodies, and more than 8 MiB of their
+    /// names, all with the copies that `replicate` and `attach` make; matrices of more than 2 GiB; more
+    /// than 10 models within each other; and files of meshes or of height fields with more than 256 MiB
+    /// together.
     ///
     /// # Errors
     /// [`Error::Mjcf`] for text that is not XML, for anything outside the supported part of MJCF,

@@ -90,7 +90,8 @@ fn all_finite(m: &CompiledModel) -> Result<()> {
                 $((stringify!($flat), &m.$flat[..]),)+
                 $((stringify!($rows), m.$rows.as_flattened()),)+
             ];
-            for (name, numbers) in arrays {
+            // by reference: a copy of the array would not fit on a small stack
+            for &(name, numbers) in &arrays {
                 finite(name, numbers)?;
             }
             $(for (i, list) in m.$lists.iter().enumerate() {
@@ -107,7 +108,7 @@ fn all_finite(m: &CompiledModel) -> Result<()> {
             tendon_frictionloss tendon_armature actuator_cranklength tendon_length0 tendon_invweight0 actuator_length0 actuator_acc0
             sensor_cutoff sensor_noise pair_margin pair_gap qpos0 qpos_spring body_mass
             body_subtreemass jnt_margin jnt_stiffness dof_armature dof_damping dof_invweight0 dof_m0
-            geom_rbound geom_solmix geom_margin geom_gap wrap_prm key_time cam_fovy;
+            geom_rbound geom_solmix geom_margin geom_gap geom_adhesion pair_adhesion wrap_prm key_time cam_fovy;
         rows:
             jnt_stiffnesspoly dof_dampingpoly tendon_stiffnesspoly tendon_dampingpoly
             body_pos body_quat body_ipos body_iquat body_inertia body_invweight0 jnt_pos jnt_axis
@@ -137,7 +138,7 @@ fn non_negative(m: &CompiledModel) -> Result<()> {
         flat:
             body_mass jnt_margin jnt_stiffness dof_armature dof_damping dof_frictionloss
             geom_rbound geom_solmix tendon_stiffness tendon_damping tendon_frictionloss tendon_armature
-            sensor_cutoff sensor_noise;
+            sensor_cutoff sensor_noise geom_adhesion pair_adhesion;
         rows: body_inertia geom_friction
     );
     for (name, numbers, width) in arrays {

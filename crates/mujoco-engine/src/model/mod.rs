@@ -231,6 +231,9 @@ pub struct CompiledModel {
     pub geom_margin: Vec<f64>,
     /// Further distance within which a contact is listed, without force; a pair's gaps add up.
     pub geom_gap: Vec<f64>,
+    /// Attraction where the geom touches another or is within the gap; those of a pair add up.
+    #[serde(skip_serializing_if = "none_sticks")]
+    pub geom_adhesion: Vec<f64>,
     /// Colour: red, green, blue, opacity.
     pub geom_rgba: Vec<[f64; 4]>,
     /// Group: pictures show groups 0 to 2.
@@ -470,6 +473,9 @@ pub struct CompiledModel {
     pub pair_margin: Vec<f64>,
     /// Further distance within which a contact is listed, without force.
     pub pair_gap: Vec<f64>,
+    /// Attraction of the geoms.
+    #[serde(skip_serializing_if = "none_sticks")]
+    pub pair_adhesion: Vec<f64>,
     /// Friction: slide twice, spin, roll twice.
     pub pair_friction: Vec<[f64; 5]>,
 
@@ -500,6 +506,11 @@ fn zero(groups: &[i32]) -> bool {
 /// Whether no spring or damper has factors of higher powers.
 fn linear(higher: &[[f64; 2]]) -> bool {
     higher.iter().all(|factors| *factors == [0.0; 2])
+}
+
+/// Whether there is no adhesion.
+fn none_sticks(adhesion: &[f64]) -> bool {
+    adhesion.iter().all(|force| *force == 0.0)
 }
 
 /// Whether no surface moves.

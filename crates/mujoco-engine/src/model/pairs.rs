@@ -1,5 +1,7 @@
 //! Pairs of geoms that can touch, and their contact parameters.
 
+use std::cmp::Ordering;
+
 use super::plan::Plan;
 use super::{CompiledModel, Cone, Disable, GeomType, Softness};
 use crate::error::ensure;
@@ -26,6 +28,8 @@ pub(crate) struct Pair {
     pub(crate) boxed: bool,
     /// Whether boxes around the bodies must overlap too.
     pub(crate) swept: bool,
+    /// The attraction of the geoms.
+    pub(crate) adhesion: f64,
     /// Whether the model lists the pair.
     pub(crate) listed: bool,
     pub(crate) dim: u8,
@@ -191,6 +195,7 @@ impl Plan {
             reach: m.geom_rbound[g1] + m.geom_rbound[g2] + margin,
             boxed: figures.boxed,
             swept: figures.swept,
+            adhesion: figures.adhesion,
             listed: figures.listed,
             dim,
             rows: match (dim, m.opt.cone) {
@@ -251,6 +256,7 @@ struct Figures {
     boxed: bool,
     swept: bool,
     listed: bool,
+    adhesion: f64,
 }
 
 impl Figures {
@@ -267,6 +273,7 @@ impl Figures {
             boxed: false,
             swept: false,
             listed: true,
+            adhesion: m.pair_adhesion[i],
         }
     }
 
@@ -287,6 +294,11 @@ impl Figures {
             boxed: !m.opt.disables(Disable::MidPhase)
                 && [g1, g2].map(|g| m.body_geomnum[m.geom_bodyid[g]]) != [1; 2],
             listed: false,
+            adhesion: match m.geom_priority[g1].cmp(&m.geom_priority[g2]) {
+                Ordering::Greater => m.geom_adhesion[g1],
+                Ordering::Less => m.geom_adhesion[g2],
+                Ordering::Equal => m.geom_adhesion[g1] + m.geom_adhesion[g2],
+            },
             swept: !m.revision.sweeps_otherwise()
                 && [g1, g2].iter().all(|g| is_swept(m, m.geom_bodyid[*g])),
         }

@@ -90,6 +90,8 @@ pub(crate) struct Plan {
     pub(crate) gravity: [f64; 3],
     /// Whether Euler's method treats damping implicitly.
     pub(crate) damped: bool,
+    /// Whether geoms attract others that they touch.
+    pub(crate) adhesive: bool,
     /// Whether trees may fall asleep.
     pub(crate) sleeps: bool,
     /// Whether springs or dampers have factors of higher powers.
@@ -240,6 +242,7 @@ impl Plan {
                 m.opt.gravity
             },
             sleeps: m.opt.sleeps(),
+            adhesive: false,
             polynomials: ![
                 &m.jnt_stiffnesspoly,
                 &m.dof_dampingpoly,
@@ -269,6 +272,7 @@ impl Plan {
         let constraints = !off(Disable::Constraint);
         if constraints && !off(Disable::Contact) {
             plan.pairs = plan.find_pairs(m)?;
+            plan.adhesive = plan.pairs.iter().any(|pair| pair.adhesion != 0.0);
         }
         ensure!(
             !off(Disable::NativeCcd) || !plan.pairs.iter().any(Pair::is_convex),

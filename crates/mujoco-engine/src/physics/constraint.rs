@@ -6,7 +6,7 @@
 
 use std::ops::Range;
 
-use super::{bias, surface};
+use super::{adhesion, bias, surface};
 use crate::math::dense::{self, Lanes};
 use crate::model::{Bounds, Disable};
 use crate::{Data, Model};
@@ -281,6 +281,9 @@ pub fn reference_constraint(m: &Model, d: &mut Data) {
     for i in 0..efc.pos.len() {
         let [stiffness, damping, impedance, _] = efc.kbip[i];
         efc.aref[i] = -damping * efc.vel[i] - stiffness * impedance * (efc.pos[i] - efc.margin[i]);
+    }
+    if m.plan().adhesive {
+        adhesion::shift_references(m, d);
     }
     if !m.plan().constraints.equalities.is_empty() {
         bias::subtract(m, d);

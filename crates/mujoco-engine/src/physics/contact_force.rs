@@ -36,13 +36,16 @@ pub(super) fn force_of(
         *to = from;
     }
     let edges = &edges[..rows];
+    let pull = m.plan().pairs[contact.pair].adhesion;
     if dim == 1 || elliptic {
         force[..dim].copy_from_slice(edges);
+        force[0] -= pull;
         return force;
     }
     for edge in edges {
         force[0] += edge;
     }
+    force[0] -= pull;
     for k in 0..dim - 1 {
         force[k + 1] = (edges[2 * k] - edges[2 * k + 1]) * contact.friction[k];
     }

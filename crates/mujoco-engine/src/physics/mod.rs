@@ -9,7 +9,7 @@
 //! | `collision` | contacts |
 //! | `rows`, `bias`, `constraint` | rows of constraints by their cause; their arrays, islands |
 //! | `velocity` | velocities of bodies, and the forces that follow from them |
-//! | `passive`, `fluid` | springs, dampers, forces of a medium |
+//! | `passive`, `fluid`, `adhesion` | springs, dampers, forces of a medium, geoms that stick |
 //! | `actuation`, `muscle` | actuators |
 //! | `solver` | constraint forces: Newton's method, conjugate gradients, projected Gauss-Seidel |
 //! | `sensor` and files named `..._sensor`, `ray`, `energy`, `post_constraint` | sensors, and what they need |
@@ -52,6 +52,7 @@
 )]
 
 mod actuation;
+mod adhesion;
 mod bias;
 mod collision;
 mod com;

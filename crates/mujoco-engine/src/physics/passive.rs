@@ -4,6 +4,7 @@ pub(super) mod polynomials;
 
 use std::f64::consts::PI;
 
+use super::adhesion;
 use super::fluid::ellipsoids;
 use super::jacobian::apply;
 use crate::math::number::{Number, get, of};
@@ -34,6 +35,9 @@ pub fn passive(m: &Model, d: &mut Data) {
         for (force, fluid) in d.qfrc_passive.iter_mut().zip(&d.work.fluid) {
             *force += fluid;
         }
+    }
+    if plan.adhesive {
+        adhesion::pull(m, d);
     }
     if plan.gravcomp {
         lift(m, d);

@@ -271,7 +271,7 @@ fn adhesion(m: &Model, d: &Data, body: usize, moments: &mut Moments) {
             }
         }
     }
-    let gap = |contact: &&Contact| contact.dist >= contact.includemargin;
+    let gap = |contact: &&Contact| contact.dist >= contact.includemargin && contact.efc_address < 0;
     for contact in d.contact.iter().filter(own).filter(gap) {
         count += 1;
         let frame = &contact.frame;

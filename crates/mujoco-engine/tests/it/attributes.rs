@@ -60,7 +60,7 @@ const ELEMENTS: [(&str, &str, &str); 50] = [
     (
         "contact/pair",
         r#"geom1="g" geom2="g2""#,
-        "class condim friction gap geom1 geom2 margin name solimp solref solreffriction",
+        "adhesion class condim friction gap geom1 geom2 margin name solimp solref solreffriction",
     ),
     (
         "contact/exclude",
@@ -177,7 +177,7 @@ const ELEMENTS: [(&str, &str, &str); 50] = [
     (
         "body/geom",
         r#"size="1""#,
-        "axisangle class conaffinity condim contype density euler fitscale fluidcoef fluidshape friction fromto gap group hfield \
+        "adhesion axisangle class conaffinity condim contype density euler fitscale fluidcoef fluidshape friction fromto gap group hfield \
      margin mass material mesh name pos priority quat rgba shellinertia size solimp solmix solref surfacevel type user xyaxes \
      zaxis",
     ),
@@ -248,8 +248,7 @@ const ELEMENTS: [(&str, &str, &str); 50] = [
 ];
 
 /// Attributes that are refused: histories of controls and sensors, and features of 3.12 alone.
-const REFUSED: &str =
-    "actdim adhesion armature damping delay ffrange interp interval nsample velrange";
+const REFUSED: &str = "actdim armature damping delay ffrange interp interval nsample velrange";
 
 /// A model with the element, which has an attribute that nothing has.
 fn with(path: &str, given: &str, attribute: &str) -> String {

@@ -42,6 +42,7 @@ with_defaults! {
         solimp: [f64; 5] = SOLIMP,
         margin: f64 = 0.0,
         gap: f64 = 0.0,
+        adhesion: f64 = 0.0,
     }
 }
 
@@ -58,6 +59,7 @@ impl Pair {
         read_solimp(element, "solimp", &mut self.solimp)?;
         replace(&mut self.margin, element.number("margin")?);
         replace(&mut self.gap, element.number("gap")?);
+        element.set_non_negative("adhesion", &mut self.adhesion)?;
         Ok(())
     }
 }

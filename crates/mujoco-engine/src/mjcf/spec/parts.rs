@@ -132,6 +132,7 @@ with_defaults! {
         conaffinity: u32 = 1,
         margin: f64 = 0.0,
         gap: f64 = 0.0,
+        adhesion: f64 = 0.0,
         priority: i32 = 0,
         solmix: f64 = 1.0,
         solref: [f64; 2] = SOLREF,
@@ -188,6 +189,7 @@ impl Geom {
         }
         replace(&mut self.margin, element.number("margin")?);
         replace(&mut self.gap, element.number("gap")?);
+        element.set_non_negative("adhesion", &mut self.adhesion)?;
         replace(&mut self.priority, element.integer("priority")?);
         element.set_non_negative("solmix", &mut self.solmix)?;
         read_solref(element, "solref", &mut self.solref)?;

@@ -52,6 +52,7 @@ pub(crate) fn fits(m: &Model, stride: &Stride) -> bool {
         && !plan.tendon_armature
         && !plan.polynomials
         && !plan.sleeps
+        && !plan.adhesive
         && !plan.surfaces
         && actuators::fit(m)
         && plan.boxes.iter().all(|(_, edges)| edges.is_some())

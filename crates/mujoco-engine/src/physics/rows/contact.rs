@@ -12,10 +12,14 @@ use crate::{Contact, Data, Model};
 pub(super) fn contacts(m: &Model, d: &mut Data) {
     for index in 0..d.contact.len() {
         let contact = &mut d.contact[index];
-        if contact.dist >= contact.includemargin {
-            continue;
-        }
         let pair = &m.plan().pairs[contact.pair];
+        if contact.dist >= contact.includemargin {
+            if pair.adhesion == 0.0 {
+                continue;
+            }
+            // what sticks pulls within the gap, without friction
+            contact.dim = 1;
+        }
         let Some(tree) = pair.trees[0].or(pair.trees[1]) else {
             continue;
         };
@@ -81,10 +85,11 @@ fn elliptic_or_spinning(
     (index, pair, tree): (usize, &Pair, usize),
 ) {
     let dim = usize::from(contact.dim);
+    let rows = if dim == 1 { 1 } else { pair.rows };
     let elliptic = m.opt.cone == Cone::Elliptic && dim > 1;
     let kind = if elliptic { Kind::Cone } else { Kind::OneSided };
     let source = Source::Contact(index);
-    let row = push_block(efc, source, kind, pair.rows, pair.groups, tree);
+    let row = push_block(efc, source, kind, rows, pair.groups, tree);
     for column in &pair.columns {
         let c = &cdof[column.dof];
         let offset = sub(contact.pos, com[column.root]);

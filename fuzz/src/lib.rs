@@ -33,6 +33,11 @@ pub const TARGETS: &[Target] = &[
         run: targets::assets,
         seeds: seeds::assets,
     },
+    Target {
+        name: "data",
+        run: targets::data,
+        seeds: seeds::data,
+    },
     #[cfg(unix)]
     Target {
         name: "frames",
@@ -48,6 +53,11 @@ pub const TARGETS: &[Target] = &[
         name: "mjcf",
         run: targets::mjcf,
         seeds: seeds::mjcf,
+    },
+    Target {
+        name: "models",
+        run: targets::models,
+        seeds: seeds::models,
     },
     Target {
         name: "roms",

@@ -1,5 +1,6 @@
 //! Seed inputs, generated with the library.
 
+use gym::sim::engine::{Data, Model, step};
 use gym::trace::{Event, Trace};
 use gym::{Env, EnvExt, Reset, Space, registry};
 use png::{ColorType, Compression, Encoder, Filter};
@@ -111,6 +112,32 @@ pub fn mjcf() -> Vec<Vec<u8>> {
         .chain([SMALL, MESHES, FIELDS, COPIES])
         .map(|text| text.as_bytes().to_vec())
         .collect()
+}
+
+/// Returns the models of [`mjcf`], compiled.
+pub fn models() -> Vec<Vec<u8>> {
+    let models = compiled();
+    models
+        .iter()
+        .map(|model| serde_json::to_vec(&**model).expect("a model has a stored form"))
+        .collect()
+}
+
+/// Returns data of each of these models after some steps.
+pub fn data() -> Vec<Vec<u8>> {
+    let seed = |(index, model): (usize, &Model)| {
+        let mut data = Data::new(model);
+        (0..3).for_each(|_| step(model, &mut data));
+        serde_json::to_vec(&(index, data)).expect("data has a stored form")
+    };
+    compiled().iter().enumerate().map(seed).collect()
+}
+
+/// The models that [`data`] is of.
+pub(crate) fn compiled() -> Vec<Model> {
+    let texts = mjcf().into_iter();
+    let model = |text: Vec<u8>| Model::from_xml(str::from_utf8(&text).ok()?).ok();
+    texts.filter_map(model).collect()
 }
 
 /// Returns files of meshes, height fields and textures, each after the byte that selects how a model

@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 
 use gym::canvas::Blank;
 use gym::registry::{self, EnvId};
+use gym::sim::engine::{self, CompiledModel, Data, Model, Revision, step};
 use gym::trace::Trace;
 use gym::{BoxEnv, Env, EnvExt, EnvSpec, Error, Kwargs, Reset, Snapshot, Space, Value};
 use serde_json::Value as Json;
@@ -127,8 +128,6 @@ pub(crate) const ASSETS: [(&str, &str); 6] = [
 /// Tries a file of a mesh, a height field or a texture, after a byte that selects which, and how the
 /// model uses it.
 pub fn assets(input: &[u8]) {
-    use gym::sim::engine::{Data, Model, Revision, step};
-
     let Some((&choice, content)) = input.split_first() else {
         return;
     };
@@ -158,12 +157,7 @@ pub fn assets(input: &[u8]) {
     let files = [("model.xml", text.as_bytes()), (name, content)];
     let files = files.map(|(path, bytes)| (path.to_owned(), bytes.to_vec()));
     match Model::from_files(&files.into(), "model.xml", revision) {
-        Ok(model) => {
-            let mut data = Data::new(&model);
-            for _ in 0..STEPS {
-                step(&model, &mut data);
-            }
-        }
+        Ok(model) => simulate(&model, &mut Data::new(&model)),
         Err(error) => assert!(
             error.to_string().contains("line "),
             "`{error}` does not say where"
@@ -171,20 +165,75 @@ pub fn assets(input: &[u8]) {
     }
 }
 
+/// The most bodies and geoms of a model that is also stepped, and the most iterations of its solver;
+/// what is larger legitimately takes long.
+const SMALL: usize = 60;
+const ITERATIONS: usize = 1000;
+
+fn is_small(model: &Model) -> bool {
+    model.nbody() <= SMALL && model.ngeom() <= SMALL && model.opt.iterations <= ITERATIONS
+}
+
+fn simulate(model: &Model, data: &mut Data) {
+    for _ in 0..STEPS {
+        step(model, data);
+    }
+}
+
+/// Tries a compiled model, as [`Model::change`] would make it.
+pub fn models(input: &[u8]) {
+    let Ok(compiled) = serde_json::from_slice::<CompiledModel>(input) else {
+        return;
+    };
+    match Model::new(compiled) {
+        Ok(mut model) if is_small(&model) => {
+            simulate(&model, &mut Data::new(&model));
+            // what is accepted can be changed further
+            let changed = model.change(|compiled| compiled.opt.timestep *= 0.5);
+            changed.expect("half of the timestep");
+            simulate(&model, &mut Data::new(&model));
+        }
+        Ok(_) => {}
+        Err(error) => assert!(error.to_string().len() > 10, "`{error}` says nothing"),
+    }
+}
+
+/// Tries `[INDEX, DATA]`: data of the engine for one of the models of [`mjcf`].
+pub fn data(input: &[u8]) {
+    thread_local! {
+        static MODELS: Vec<Model> = crate::seeds::compiled();
+    }
+    let Ok((index, mut data)) = serde_json::from_slice::<(usize, Data)>(input) else {
+        return;
+    };
+    MODELS.with(|models| {
+        let model = &models[index % models.len()];
+        match data.check(model) {
+            Ok(()) => {
+                data.resume(model);
+                simulate(model, &mut data);
+                data.reset(model);
+                let mut fresh = Data::new(model);
+                for data in [&mut data, &mut fresh] {
+                    simulate(model, data);
+                }
+                assert_eq!(data.qpos, fresh.qpos, "a reset does not forget");
+            }
+            Err(error) => assert!(error.to_string().len() > 10, "`{error}` says nothing"),
+        }
+    });
+}
+
 /// Tries a model in MJCF.
 pub fn mjcf(input: &[u8]) {
-    /// The most bodies and geoms of a model that is also stepped; larger models legitimately take
-    /// long.
-    const SMALL: usize = 60;
-    const ITERATIONS: usize = 1000;
     let Ok(text) = std::str::from_utf8(input) else {
         return;
     };
-    let model = match gym::sim::engine::Model::from_xml(text) {
+    let model = match Model::from_xml(text) {
         Ok(model) => model,
         Err(error) => {
             let lines = 1 + text.matches('\n').count();
-            let gym::sim::engine::Error::Mjcf {
+            let engine::Error::Mjcf {
                 line,
                 element,
                 reason,
@@ -204,12 +253,8 @@ pub fn mjcf(input: &[u8]) {
             return;
         }
     };
-    if model.nbody() > SMALL || model.ngeom() > SMALL || model.opt.iterations > ITERATIONS {
-        return;
-    }
-    let mut data = gym::sim::engine::Data::new(&model);
-    for _ in 0..STEPS {
-        gym::sim::engine::step(&model, &mut data);
+    if is_small(&model) {
+        simulate(&model, &mut Data::new(&model));
     }
 }
 

@@ -188,10 +188,6 @@ fn without_simple_dofs(m: &CompiledModel) -> Result<Box<Model>> {
 
 /// Factors the inertia matrix again, now with the diagonals of simple bodies.
 fn factor_inertia(m: &Model, d: &mut Data) {
-    if m.plan().tendon_armature {
-        // the Jacobians of tendons with inertia
-        tendon(m, d);
-    }
     crb(m, d);
     factor_m(m, d);
 }
@@ -199,10 +195,6 @@ fn factor_inertia(m: &Model, d: &mut Data) {
 /// Computes the fields that depend on the factored inertia matrix.
 fn with_figures(model: &Model, d: &mut Data) -> CompiledModel {
     let mut m = CompiledModel::clone(model);
-    if model.plan().tendon_armature {
-        let diagonal = (0..m.nv()).map(|i| d.qm[model.plan().m_row(i).end - 1]);
-        m.stat.meaninertia = diagonal.sum::<f64>() / m.nv() as f64;
-    }
     add_dof_weights(&mut m, model, d);
     add_body_weights(&mut m, model, d);
     add_equalities(&mut m, d);

@@ -146,18 +146,21 @@ pub(crate) enum Call {
 /// If the data is of another model.
 pub fn step(m: &Model, d: &mut Data) {
     d.begin_call(m, Call::Step);
-    advance(m, d, m.plan().measures);
+    advance(m, d, true);
 }
 
 /// A timestep that another follows: it computes only what the next one needs. Unlike [`step`], it
 /// does not store its start, so a snapshot taken after it holds only the state; and sensors, energy
-/// and frames of geoms and sites that no stage reads keep their old values.
+/// and frames of geoms and sites that no stage reads keep their old values. (Where bodies may fall
+/// asleep, sensors are measured, because those of sleeping bodies keep what was measured last.)
 ///
 /// # Panics
 /// If the data is of another model.
 pub fn substep(m: &Model, d: &mut Data) {
     d.begin_substep(m);
-    advance(m, d, false);
+    let measures = m.plan().sleeps;
+    d.work.skips = !measures;
+    advance(m, d, measures);
 }
 
 fn advance(m: &Model, d: &mut Data, measures: bool) {
@@ -165,7 +168,7 @@ fn advance(m: &Model, d: &mut Data, measures: bool) {
     let in_stages = m.opt.integrator == Integrator::RK4;
     let skips = d.work.skips;
     // RK4 computes further stages below, and the frames of the last stage remain
-    d.work.skips |= in_stages && !measures;
+    d.work.skips |= in_stages && !(measures && m.plan().measures);
     evaluate(m, d);
     if diverged(&d.qacc) {
         d.clear(m);
@@ -200,15 +203,15 @@ pub fn step1(m: &Model, d: &mut Data) {
 /// # Panics
 /// If the data is of another model.
 pub fn step2(m: &Model, d: &mut Data) {
-    finish_step(m, d, m.plan().measures);
+    finish_step(m, d, true);
 }
 
-/// [`step2`] of a timestep that another follows: sensors keep their old values.
+/// [`step2`] of a timestep that another follows: sensors keep their old values, as in [`substep`].
 ///
 /// # Panics
 /// If the data is of another model.
 pub fn substep2(m: &Model, d: &mut Data) {
-    finish_step(m, d, false);
+    finish_step(m, d, m.plan().sleeps);
 }
 
 fn finish_step(m: &Model, d: &mut Data, measures: bool) {

@@ -125,3 +125,27 @@ fn actuators_are_left_out_as_by_their_flag() {
         assert_eq!(d.qfrc_actuator, actuated.qfrc_actuator, "{name}");
     }
 }
+
+#[test]
+fn bodies_fall_asleep_in_the_middle_of_a_step() {
+    let text = r#"<mujoco><option timestep=".01" sleep_tolerance=".05"><flag sleep="enable"/></option>
+  <worldbody><geom type="plane" size="3 3 .1"/>
+    <body pos="0 0 .15" euler="10 0 0"><freejoint/><geom type="box" size=".1 .1 .1"/><site name="top" pos="0 0 .1"/></body></worldbody>
+  <sensor><gyro site="top"/><accelerometer site="top"/><framepos objtype="site" objname="top"/></sensor></mujoco>"#;
+    let m = Model::from_xml(text).unwrap();
+    let (mut one, mut other) = (Data::new(&m), Data::new(&m));
+    let mut slept = 0;
+    for i in 0..600 {
+        step(&m, &mut one);
+        let part = if i % 7 < 6 { substep } else { step };
+        part(&m, &mut other);
+        assert_eq!(one.sensordata, other.sensordata, "{i}");
+        assert_eq!(
+            (&one.qpos, &one.tree_asleep),
+            (&other.qpos, &other.tree_asleep),
+            "{i}"
+        );
+        slept += usize::from(one.tree_asleep[0] >= 0);
+    }
+    assert!(slept > 100, "{slept}");
+}

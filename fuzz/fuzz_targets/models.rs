@@ -1,0 +1,5 @@
+//! The target `models` for `cargo fuzz`.
+
+#![no_main]
+
+libfuzzer_sys::fuzz_target!(|input: &[u8]| gym_fuzz::targets::models(input));

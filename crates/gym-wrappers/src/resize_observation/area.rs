@@ -310,4 +310,76 @@ mod tests {
             assert!(out.iter().all(|x| *x == 77), "{target:?}: {out:?}");
         }
     }
+
+    /// OpenCV 5.0.0 rounds the means of two by two pixels up, except with two channels, and those of
+    /// other blocks to even numbers.
+    #[test]
+    fn halves_are_rounded_as_in_opencv() {
+        let rounded = |channels: usize, size: usize, sums: [u8; 2]| {
+            let width = 2 * size;
+            let mut picture = vec![0; size * width * channels];
+            // the sum of each block is in its first column
+            for (block, sum) in sums.into_iter().enumerate() {
+                for row in 0..size {
+                    let part = sum / size as u8 + u8::from(row < usize::from(sum) % size);
+                    let at = (row * width + block * size) * channels;
+                    picture[at..at + channels].fill(part);
+                }
+            }
+            let mut out = vec![0; 2 * channels];
+            AreaResize::new((size, width), (1, 2), channels).resize(&picture, &mut out);
+            out
+        };
+        for channels in [1, 3, 4] {
+            let expected = [vec![1; channels], vec![3; channels]].concat();
+            assert_eq!(
+                rounded(channels, 2, [2, 10]),
+                expected,
+                "{channels} channels"
+            );
+        }
+        assert_eq!(rounded(2, 2, [2, 10]), [0, 0, 2, 2]);
+        assert_eq!(rounded(1, 4, [8, 24]), [0, 2]);
+        assert_eq!(rounded(1, 4, [9, 23]), [1, 1]);
+    }
+
+    #[test]
+    fn whole_blocks_are_opencvs() {
+        type Case = ((usize, usize), (usize, usize), usize, &'static [u8]);
+        let cases: &[Case] = &[
+            ((6, 4), (2, 4), 1, &[68, 144, 63, 167, 197, 100, 102, 203]),
+            (
+                (6, 4),
+                (2, 4),
+                4,
+                &[
+                    123, 111, 113, 129, 159, 117, 90, 162, 163, 92, 121, 163, 135, 120, 34, 218,
+                    64, 127, 118, 123, 143, 176, 138, 114, 104, 108, 126, 73, 119, 93, 82, 170,
+                ],
+            ),
+            ((6, 6), (2, 3), 1, &[81, 103, 182, 167, 139, 125]),
+            (
+                (6, 6),
+                (2, 3),
+                4,
+                &[
+                    149, 106, 120, 148, 114, 141, 96, 151, 165, 133, 115, 153, 178, 77, 117, 129,
+                    58, 154, 136, 132, 109, 103, 112, 92,
+                ],
+            ),
+            ((6, 6), (2, 2), 1, &[66, 178, 179, 108]),
+            (
+                (6, 6),
+                (2, 2),
+                4,
+                &[
+                    138, 124, 123, 136, 147, 129, 98, 165, 136, 105, 117, 142, 94, 118, 127, 93,
+                ],
+            ),
+        ];
+        for (source, target, channels, expected) in cases {
+            let place = format!("{source:?} to {target:?}, {channels} channels");
+            assert_eq!(resize(*source, *target, *channels), *expected, "{place}");
+        }
+    }
 }

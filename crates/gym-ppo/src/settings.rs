@@ -33,7 +33,7 @@ impl Task {
         }
         if env
             .layer::<SimEnv>()
-            .is_some_and(|env| env.simulation().stepper() == Stepper::Settled)
+            .is_some_and(|env| env.simulation().stepper == Stepper::Settled)
         {
             return Self::Control;
         }

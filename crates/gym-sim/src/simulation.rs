@@ -30,7 +30,7 @@ pub struct Simulation {
     /// The camera of rendered pictures.
     pub(crate) view: View,
     /// When derived arrays are computed.
-    pub(crate) stepper: Stepper,
+    pub stepper: Stepper,
     /// The properties of a step; `None` if the task's worlds cannot step together.
     pub(crate) stride: Option<Stride>,
 }

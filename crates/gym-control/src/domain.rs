@@ -27,13 +27,13 @@ pub trait Domain: SimTask + Sized {
     /// The model, in MJCF.
     ///
     /// # Errors
-    /// [`Error::InvalidArgument`] for an argument out of range.
+    /// [`Error::InvalidArgument`](gym_core::Error::InvalidArgument) for an argument out of range.
     fn text(config: &Self::Config) -> Result<Cow<'static, str>>;
 
     /// Builds the task for its model. Look up bodies and joints here, once per environment.
     ///
     /// # Errors
-    /// [`Error::InvalidArgument`] for an argument out of range.
+    /// [`Error::InvalidArgument`](gym_core::Error::InvalidArgument) for an argument out of range.
     fn new(config: &Self::Config, simulation: &Simulation) -> Result<Self>;
 }
 
@@ -47,7 +47,7 @@ const UNBOUNDED: f64 = 1e10;
 /// dm_control raises `PhysicsError`; the environment goes on from MuJoCo's reset of the simulation.
 ///
 /// # Errors
-/// [`Error::InvalidArgument`] for an argument out of range.
+/// [`Error::InvalidArgument`](gym_core::Error::InvalidArgument) for an argument out of range.
 pub fn make<D: Domain>(config: &D::Config) -> Result<SimEnv> {
     let settings = Settings::new(D::NAME, config);
     let text = look::with_materials(&D::text(config)?);

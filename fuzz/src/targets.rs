@@ -188,10 +188,10 @@ pub fn models(input: &[u8]) {
     match Model::new(compiled) {
         Ok(mut model) if is_small(&model) => {
             simulate(&model, &mut Data::new(&model));
-            // what is accepted can be changed further
-            let changed = model.change(|compiled| compiled.opt.timestep *= 0.5);
-            changed.expect("half of the timestep");
-            simulate(&model, &mut Data::new(&model));
+            // its constants may be beyond all numbers once they are computed again
+            if model.change(|_| {}).is_ok() {
+                simulate(&model, &mut Data::new(&model));
+            }
         }
         Ok(_) => {}
         Err(error) => assert!(error.to_string().len() > 10, "`{error}` says nothing"),

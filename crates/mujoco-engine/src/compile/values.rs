@@ -49,7 +49,10 @@ fn options(m: &CompiledModel) -> Result<()> {
         ("stat.extent", m.stat.extent),
     ] {
         let allowed = number >= 0.0;
-        ensure!(allowed, "{name} is {number}, which must not be negative");
+        ensure!(
+            allowed,
+            "{name} is {number}: it must be a number that is not negative"
+        );
     }
     for (name, number) in [
         ("iterations", o.iterations),

@@ -2,12 +2,13 @@
 
 use std::cell::RefCell;
 use std::collections::BTreeMap;
+use std::fmt::Display;
 
 use gym::canvas::Blank;
 use gym::registry::{self, EnvId};
 use gym::sim::engine::{self, CompiledModel, Data, Model, Revision, step};
 use gym::trace::Trace;
-use gym::{BoxEnv, Env, EnvExt, EnvSpec, Error, Kwargs, Reset, Snapshot, Space, Value};
+use gym::{BoxEnv, Env, EnvExt, EnvSpec, Kwargs, Reset, Snapshot, Space, Value};
 use serde_json::Value as Json;
 
 /// The steps that an environment takes if it was made.
@@ -194,7 +195,7 @@ pub fn models(input: &[u8]) {
             }
         }
         Ok(_) => {}
-        Err(error) => assert!(error.to_string().len() > 10, "`{error}` says nothing"),
+        Err(error) => explains(&error),
     }
 }
 
@@ -219,7 +220,7 @@ pub fn data(input: &[u8]) {
                 }
                 assert_eq!(data.qpos, fresh.qpos, "a reset does not forget");
             }
-            Err(error) => assert!(error.to_string().len() > 10, "`{error}` says nothing"),
+            Err(error) => explains(&error),
         }
     });
 }
@@ -449,7 +450,7 @@ fn look(env: &BoxEnv) {
 }
 
 /// Asserts that an error has an explanation.
-fn explains(error: &Error) {
+fn explains(error: &impl Display) {
     assert!(
         error.to_string().len() > 10,
         "`{error}` does not say what to do"

@@ -168,9 +168,11 @@ fn add_inertia(m: &mut CompiledModel) -> Result<Box<Data>> {
         (0..m.nv()).map(|i| d.qm[last(i)]).collect()
     };
     let without_tendons = diagonal(&d);
-    // the inertia along tendons counts in all other constants
-    tendon(&general, &mut d);
-    crb(&general, &mut d);
+    if general.plan().tendon_armature {
+        // the inertia along tendons counts in all other constants
+        tendon(&general, &mut d);
+        crb(&general, &mut d);
+    }
     m.stat.meaninertia = if m.nv() == 0 {
         1.0
     } else {

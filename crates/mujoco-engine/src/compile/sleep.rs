@@ -4,19 +4,12 @@ use super::constants::body_sizes;
 use super::fuse::Kept;
 use crate::error::ensure;
 use crate::mjcf::spec::{Sleep, Spec};
+use crate::model::sleep_policy::{ALLOWED, AUTO, AUTO_ALLOWED, AUTO_NEVER, INIT, NEVER};
 use crate::model::{
     CompiledModel, DynamicsType, EqualityType, Integrator, JointType, TransmissionType,
 };
 use crate::physics::trees_of_tendon;
 use crate::{Data, Model, Result};
-
-/// The numbers of MuJoCo's `mjtSleepPolicy`.
-const AUTO: u8 = 0;
-const AUTO_NEVER: u8 = 1;
-const AUTO_ALLOWED: u8 = 2;
-const NEVER: u8 = 3;
-const ALLOWED: u8 = 4;
-const INIT: u8 = 5;
 
 /// Adds the policies, if the flag is on and some tree may fall asleep: one that has no actuator,
 /// unless its body says `sleep="never"`.

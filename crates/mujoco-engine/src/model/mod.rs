@@ -49,7 +49,7 @@ pub use shared::Shared;
 pub(crate) use softness::{SOLIMP, SOLREF, Softness};
 pub use textures::{TextureType, Textures};
 pub use types::{Disable, Fluid, Names, Options, Parameters, Statistics};
-pub(crate) use types::{MAX_ITERATIONS, most_iterations, padded};
+pub(crate) use types::{MAX_ITERATIONS, most_iterations, padded, sleep_policy};
 
 /// A compiled model, with the field names of MuJoCo's `mjModel`.
 ///

@@ -98,6 +98,16 @@ impl Options {
     }
 }
 
+/// The numbers of MuJoCo's `mjtSleepPolicy`.
+pub(crate) mod sleep_policy {
+    pub(crate) const AUTO: u8 = 0;
+    pub(crate) const AUTO_NEVER: u8 = 1;
+    pub(crate) const AUTO_ALLOWED: u8 = 2;
+    pub(crate) const NEVER: u8 = 3;
+    pub(crate) const ALLOWED: u8 = 4;
+    pub(crate) const INIT: u8 = 5;
+}
+
 /// Parts of a simulation that can be disabled, as bits of [`Options::disableflags`]: MuJoCo's
 /// `mjtDisableBit`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

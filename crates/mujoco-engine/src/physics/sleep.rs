@@ -10,6 +10,7 @@
 use super::collision::collision;
 use super::rows::reached_limits;
 use super::{ALL, first_stages, last_stages, measure};
+use crate::model::sleep_policy::{AUTO_NEVER, INIT, NEVER};
 use crate::model::{
     CompiledModel, Disable, EqualityType, ObjectType, Pair, SensorType, Stage, TransmissionType,
     WrapType,
@@ -18,10 +19,6 @@ use crate::{Data, Model};
 
 /// `tree_asleep` of a tree that is awake: -1 minus the number of steps before it may fall asleep.
 pub(crate) const AWAKE: i32 = -11;
-
-/// MuJoCo's `mjtSleepPolicy`.
-const NEVER: [u8; 2] = [1, 3];
-const AT_START: u8 = 5;
 
 /// MuJoCo's `mjtSleepState`.
 #[derive(Clone, Copy, PartialEq)]
@@ -167,7 +164,7 @@ pub(super) fn rests(m: &CompiledModel, awake: &[bool], pair: &Pair) -> bool {
 
 /// Whether a tree may sleep: MuJoCo's `treeCanSleep`.
 fn can_sleep(m: &Model, d: &Data, tree: usize, tolerance: f64) -> bool {
-    if NEVER.contains(&m.tree_sleep_policy[tree]) {
+    if [AUTO_NEVER, NEVER].contains(&m.tree_sleep_policy[tree]) {
         return false;
     }
     let zero = |numbers: &[f64]| numbers.iter().all(|x| x.to_bits() == 0);
@@ -507,7 +504,7 @@ pub(super) fn stay(m: &Model, d: &mut Data) {
 pub(crate) fn start(m: &Model, d: &mut Data) {
     update(d);
     remember(d);
-    if !m.tree_sleep_policy.contains(&AT_START) {
+    if !m.tree_sleep_policy.contains(&INIT) {
         return;
     }
     let skips = std::mem::replace(&mut d.work.skips, false);
@@ -516,11 +513,11 @@ pub(crate) fn start(m: &Model, d: &mut Data) {
     measure(m, d, &ALL);
     d.work.skips = skips;
     for (asleep, policy) in d.tree_asleep.iter_mut().zip(&m.tree_sleep_policy) {
-        *asleep = if *policy == AT_START { -1 } else { AWAKE };
+        *asleep = if *policy == INIT { -1 } else { AWAKE };
     }
     sleep(m, d);
     for (asleep, policy) in d.tree_asleep.iter_mut().zip(&m.tree_sleep_policy) {
-        if *policy == AT_START && *asleep < 0 {
+        if *policy == INIT && *asleep < 0 {
             *asleep = AWAKE;
         }
     }

@@ -326,7 +326,7 @@ impl Env for SimEnv {
         let Some(episode) = &mut self.episode else {
             return Err(Error::ResetNeeded("step"));
         };
-        if action.shape() != self.action_shape || !action.is_finite() {
+        if !action.has_shape(&self.action_shape) || !action.is_finite() {
             return Err(self.action_space.refuse_action(action));
         }
         self.resumed.take();
@@ -469,7 +469,7 @@ impl Lockstep for SimEnv {
 
     fn begin_step(&mut self, action: &Array, worlds: &mut Groups) {
         let Simulation { model, stride, .. } = &self.simulation;
-        let fits = action.shape() == self.action_shape && action.is_finite();
+        let fits = action.has_shape(&self.action_shape) && action.is_finite();
         if let Some(episode) = self.episode.as_mut().filter(|_| fits) {
             self.task.prepare(&mut episode.data);
         }

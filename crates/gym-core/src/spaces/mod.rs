@@ -344,7 +344,7 @@ fn invalid<T>(reason: impl Into<String>) -> Result<T> {
 /// The array in `out`, replaced unless it has that type and shape: fills a buffer without
 /// allocating.
 pub fn array_of<'a>(out: &'a mut Value, dtype: DType, shape: &[usize]) -> &'a mut Array {
-    let fits = |array: &Array| array.dtype() == dtype && array.shape() == shape;
+    let fits = |array: &Array| array.dtype() == dtype && array.has_shape(shape);
     if !out.as_array().is_some_and(fits) {
         // `shape` is the shape of a space, limited to `MAX_ELEMENTS`, or of an existing array; so
         // `zeros` does not fail

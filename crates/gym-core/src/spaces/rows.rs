@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use crate::value::array::Array;
+use crate::value::array::{Array, same_shape};
 use crate::value::number::{Number, Numeric, can_cast, with_type};
 use crate::value::{DType, Result, Value};
 
@@ -306,10 +306,8 @@ fn other_batch() -> Fault {
 /// The number of rows of this shape in an array.
 #[inline]
 pub(super) fn rows(array: &Array, shape: &[usize]) -> Option<usize> {
-    array
-        .shape()
-        .split_first()
-        .and_then(|(&n, inner)| (inner == shape).then_some(n))
+    let (&n, inner) = array.shape().split_first()?;
+    same_shape(inner, shape).then_some(n)
 }
 
 // inline the path of valid rows, not the path of faults

@@ -59,6 +59,13 @@ impl<T: Scalar, const N: usize> From<[T; N]> for Array {
 /// refused, before memory runs out.
 pub const MAX_ELEMENTS: usize = 1 << 28;
 
+/// Whether two shapes are equal. Shapes have one or two numbers, for which a loop takes less time
+/// than a call of `memcmp`.
+#[inline]
+pub(crate) fn same_shape(a: &[usize], b: &[usize]) -> bool {
+    a.len() == b.len() && a.iter().zip(b).all(|(a, b)| a == b)
+}
+
 /// numpy's largest number of axes.
 pub(crate) const MAX_AXES: usize = 64;
 
@@ -141,6 +148,13 @@ impl Array {
     /// The length of each axis.
     pub fn shape(&self) -> &[usize] {
         &self.shape
+    }
+
+    /// Whether the array has this shape.
+    #[inline]
+    #[must_use]
+    pub fn has_shape(&self, shape: &[usize]) -> bool {
+        same_shape(&self.shape, shape)
     }
 
     /// The type of the numbers.

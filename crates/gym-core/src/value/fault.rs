@@ -101,7 +101,7 @@ pub(crate) fn expect_array<'a>(
     dtype: DType,
 ) -> Result<&'a Array, Fault> {
     match value {
-        Value::Array(array) if array.shape() == shape && can_cast(array.dtype(), dtype) => {
+        Value::Array(array) if array.has_shape(shape) && can_cast(array.dtype(), dtype) => {
             Ok(array)
         }
         _ => Err(no_such_array(value, shape, dtype)),
@@ -113,7 +113,7 @@ fn no_such_array(value: &Value, shape: &[usize], dtype: DType) -> Fault {
     let Value::Array(array) = value else {
         return Fault::kind("an array", value);
     };
-    if array.shape() != shape {
+    if !array.has_shape(shape) {
         let [actual, expected] = [array.shape(), shape].map(numpy_fmt::shape);
         return Fault::new(format!("the shape is {actual} and should be {expected}"));
     }
@@ -127,5 +127,5 @@ fn no_such_array(value: &Value, shape: &[usize], dtype: DType) -> Fault {
 pub(crate) fn is_array(value: &Value, shape: &[usize], dtype: DType) -> bool {
     value
         .as_array()
-        .is_some_and(|array| array.shape() == shape && can_cast(array.dtype(), dtype))
+        .is_some_and(|array| array.has_shape(shape) && can_cast(array.dtype(), dtype))
 }

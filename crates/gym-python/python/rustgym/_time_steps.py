@@ -90,15 +90,24 @@ class TimeSteps:
         types = np.array([StepType.LAST if last else StepType.MID for last in is_last], dtype=object)
         starts = due if mode is AutoresetMode.NEXT_STEP else ended & (mode is AutoresetMode.SAME_STEP)
         self._elapsed[rows[starts]] = -self._together
-        if ids is None and not starts.any():
-            infos.update(self._columns(discounts, types, np.ones(envs.num_envs, np.bool_)))
-            return
-        infos.pop("final_info", None), infos.pop("_final_info", None)
-        for row, index in enumerate(rows):
-            info = {_DISCOUNT: float(discounts[row]), _STEP_TYPE: types[row]}
-            if starts[row] and mode is AutoresetMode.SAME_STEP:
-                envs._add_info(infos, {"final_info": info}, index)
-            envs._add_info(infos, _START if starts[row] else info, index)
+        if starts.any() or ids is not None:
+            infos.pop("final_info", None), infos.pop("_final_info", None)
+        if mode is AutoresetMode.SAME_STEP:
+            for row in np.flatnonzero(starts):
+                info = {_DISCOUNT: float(discounts[row]), _STEP_TYPE: types[row]}
+                envs._add_info(infos, {"final_info": info}, rows[row])
+        types[starts] = StepType.FIRST
+        infos.update(self._columns(*self._filled(rows, discounts, types, starts)))
+
+    def _filled(self, rows: Any, discounts: Any, types: Any, starts: Any) -> tuple[Any, Any, Any]:
+        """The columns of the environments ``rows`` as Gymnasium's vectors fill them: the first number decides the type of a column."""
+        num_envs = self._envs.num_envs
+        first_has_none = starts[:1].any()
+        all_discounts = np.full(num_envs, None) if first_has_none else np.zeros(num_envs)
+        all_discounts[rows] = np.where(starts, None, discounts) if first_has_none else np.where(starts, np.nan, discounts)
+        all_types, where = np.full(num_envs, None), np.zeros(num_envs, np.bool_)
+        all_types[rows], where[rows] = types, True
+        return all_discounts, all_types, where
 
     def _columns(self, discounts: Any, types: Any, where: Any) -> dict[str, Any]:
         return {_DISCOUNT: discounts, f"_{_DISCOUNT}": where, _STEP_TYPE: types, f"_{_STEP_TYPE}": where}

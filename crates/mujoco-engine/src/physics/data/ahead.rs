@@ -87,6 +87,10 @@ impl Data {
 
 /// Copies the front of `numbers` to `vectors`, one after the other.
 fn put(numbers: &[f64], vectors: [&mut Vec<f64>; 3]) {
-    let places = vectors.into_iter().flatten();
-    places.zip(numbers).for_each(|(to, from)| *to = *from);
+    let mut numbers = numbers.iter();
+    for vector in vectors {
+        for (to, from) in vector.iter_mut().zip(&mut numbers) {
+            *to = *from;
+        }
+    }
 }

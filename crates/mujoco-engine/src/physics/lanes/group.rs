@@ -127,9 +127,11 @@ impl Group {
             data.mocap_quat.as_flattened(),
             &own.actuator_force,
         ];
-        let record = &mut self.records[world * length..][..length];
-        for (to, from) in record.iter_mut().zip(parts.into_iter().flatten()) {
-            *to = *from;
+        let mut record = self.records[world * length..][..length].iter_mut();
+        for part in parts {
+            for (from, to) in part.iter().zip(&mut record) {
+                *to = *from;
+            }
         }
         self.len += 1;
         Some(world)

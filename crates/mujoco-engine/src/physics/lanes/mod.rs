@@ -143,15 +143,20 @@ impl Batch {
     /// Reads the input of world `world` from `record`.
     pub(crate) fn gather(&mut self, world: usize, record: &[f64]) {
         let a = &mut self.arrays;
-        let rows = [&mut a.qpos, &mut a.qvel, &mut a.warm, &mut a.qfrc_actuator];
-        let others = [
+        let arrays = [
+            &mut a.qpos[..],
+            &mut a.qvel,
+            &mut a.warm,
+            &mut a.qfrc_actuator,
             a.mocap_pos.as_flattened_mut(),
             a.mocap_quat.as_flattened_mut(),
             &mut a.input,
         ];
-        let rows = rows.into_iter().flatten();
-        for (row, x) in rows.chain(others.into_iter().flatten()).zip(record) {
-            row.0[world] = *x;
+        let mut numbers = record.iter();
+        for array in arrays {
+            for (row, x) in array.iter_mut().zip(&mut numbers) {
+                row.0[world] = *x;
+            }
         }
     }
 
@@ -169,10 +174,13 @@ impl Batch {
         let a = &self.arrays;
         let after = [&a.qpos, &a.qvel, &a.warm];
         let before = [&a.qpos_before, &a.qvel_before, &a.warm_before];
-        let state = after.into_iter().chain(before).flatten();
-        let derived = reads.iter().flat_map(|array| array.of(a));
-        for (x, row) in record.iter_mut().zip(state.chain(derived)) {
-            *x = row.0[world];
+        let state = after.into_iter().chain(before).map(Vec::as_slice);
+        let derived = reads.iter().map(|array| array.of(a));
+        let mut numbers = record.iter_mut();
+        for array in state.chain(derived) {
+            for (row, x) in array.iter().zip(&mut numbers) {
+                *x = row.0[world];
+            }
         }
         self.diverged >> world & 1 == 0
     }

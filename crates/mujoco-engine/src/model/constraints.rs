@@ -41,9 +41,11 @@ pub(crate) struct Scalar {
 impl ModelConstraints {
     /// The connect or weld constraint `id`; `None` for a constraint of joints or tendons.
     pub(crate) fn of_bodies(&self, id: usize) -> Option<&Equality> {
-        let of_bodies = [EqualityType::Connect, EqualityType::Weld];
-        let mut equalities = self.equalities.iter();
-        equalities.find(|equality| equality.id == id && of_bodies.contains(&equality.kind))
+        let place = self
+            .equalities
+            .binary_search_by_key(&id, |equality| equality.id);
+        let equality = &self.equalities[place.ok()?];
+        matches!(equality.kind, EqualityType::Connect | EqualityType::Weld).then_some(equality)
     }
 
     pub(crate) fn new(m: &CompiledModel) -> Self {

@@ -314,14 +314,25 @@ pub(super) fn islands(m: &Model, d: &mut Data) {
         }
         tree
     }
+    let tree_of = |body: usize| usize::try_from(m.body_treeid[body]).ok();
     for block in &d.efc.blocks {
-        match block.source {
-            Source::Contact(index) => {
-                if let [Some(t1), Some(t2)] = m.plan().pairs[d.contact[index].pair].trees {
-                    let (a, b) = (find(least, t1), find(least, t2));
-                    least[a.max(b)] = a.min(b);
-                }
+        // the trees of both bodies, even if one of them does not move the point
+        let ends = match block.source {
+            Source::Contact(index) => Some(m.plan().pairs[d.contact[index].pair].trees),
+            Source::Equality(id) => {
+                let equality = m.plan().constraints.of_bodies(id);
+                equality.map(|equality| equality.bodies.map(tree_of))
             }
+            _ => None,
+        };
+        if let Some(ends) = ends {
+            if let [Some(t1), Some(t2)] = ends {
+                let (a, b) = (find(least, t1), find(least, t2));
+                least[a.max(b)] = a.min(b);
+            }
+            continue;
+        }
+        match block.source {
             Source::Limit(_) | Source::DofFriction(_) => {}
             _ if d.efc.sparse => {
                 for &dof in &d.efc.columns[block.columns.clone()] {

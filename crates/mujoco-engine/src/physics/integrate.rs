@@ -90,8 +90,7 @@ fn semi_implicit(m: &Model, d: &mut Data) {
     let whole = m.opt.integrator == Integrator::Implicit;
     let sleeps = m.plan().sleeps;
     let damped = m.plan().implicit && !(sleeps && sleep::is_undamped(m, d));
-    let stiff = fast || late || whole || damped;
-    if stiff {
+    if fast || late || whole || damped {
         let forces = d.qfrc_smooth.iter().zip(&d.qfrc_constraint);
         for (sum, (smooth, constraint)) in d.work.acc_sum.iter_mut().zip(forces) {
             *sum = smooth + constraint;
@@ -117,7 +116,7 @@ fn semi_implicit(m: &Model, d: &mut Data) {
         d.act_dot = rates;
     }
     if sleeps {
-        sleep::fall_asleep(m, d, !stiff);
+        sleep::fall_asleep(m, d);
     }
     for (velocity, acceleration) in d.qvel.iter_mut().zip(&d.work.acc_sum) {
         *velocity += dt * acceleration;

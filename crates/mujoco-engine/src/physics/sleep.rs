@@ -455,9 +455,9 @@ fn sleep(m: &Model, d: &mut Data) -> bool {
 }
 
 /// Lets trees fall asleep before velocities and positions are integrated. What depends on velocities
-/// is then computed again; `explicit` if the accelerations to integrate are `qacc`.
+/// is then computed again, but what is integrated are the accelerations from before.
 #[cold]
-pub(super) fn fall_asleep(m: &Model, d: &mut Data, explicit: bool) {
+pub(super) fn fall_asleep(m: &Model, d: &mut Data) {
     remember(d);
     if sleep(m, d) {
         d.work.settled = true;
@@ -465,9 +465,6 @@ pub(super) fn fall_asleep(m: &Model, d: &mut Data, explicit: bool) {
         last_stages(m, d);
         measure(m, d, &[Stage::Velocity, Stage::Acceleration]);
         d.work.settled = false;
-        if explicit {
-            d.work.acc_sum.copy_from_slice(&d.qacc);
-        }
         update(d);
     }
     for (tree, awake) in d.work.tree_awake.iter().enumerate() {

@@ -9,9 +9,11 @@ import pickle
 import struct
 from typing import Any
 
+import gymnasium
 import numpy as np
 import pytest
 from gymnasium import spaces
+from gymnasium.envs.registration import EnvSpec
 
 import rustgym
 from rustgym._bodies import Vec2
@@ -183,3 +185,12 @@ def test_options_are_a_dict(wrong: Any) -> None:
     for env in (rustgym.make("CartPole-v1").unwrapped, rustgym.VectorEnv("CartPole-v1", 2)):
         with pytest.raises(TypeError, match="options must be a dict or None, not"):
             env.reset(options=wrong)
+
+
+def test_namespaces_that_gymnasium_does_not_know(monkeypatch: pytest.MonkeyPatch) -> None:
+    is_ours_alone = rustgym.registration.registry.is_ours_alone
+    theirs = {spec.namespace for spec in gymnasium.registry.values()}
+    assert is_ours_alone("dm_control") == ("dm_control" not in theirs)
+    assert not is_ours_alone("nobodys") and None in theirs and not is_ours_alone(None)
+    monkeypatch.setitem(gymnasium.registry, "dm_control/other-v0", EnvSpec("dm_control/other-v0"))
+    assert not is_ours_alone("dm_control")

@@ -19,6 +19,7 @@ mod meshes;
 mod mjcf;
 mod numbers;
 mod polygons;
+mod random;
 mod rays;
 mod sleep;
 mod sparse;

@@ -21,6 +21,7 @@ mod numbers;
 mod polygons;
 mod random;
 mod rays;
+mod reasons;
 mod sleep;
 mod sparse;
 mod steps;

@@ -194,3 +194,13 @@ def test_namespaces_that_gymnasium_does_not_know(monkeypatch: pytest.MonkeyPatch
     assert not is_ours_alone("nobodys") and None in theirs and not is_ours_alone(None)
     monkeypatch.setitem(gymnasium.registry, "dm_control/other-v0", EnvSpec("dm_control/other-v0"))
     assert not is_ours_alone("dm_control")
+
+
+def test_an_id_that_is_set_is_gymnasiums_from_then_on(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(gymnasium.registry, "CartPole-v1", gymnasium.registry["CartPole-v1"])  # and back at the end
+    registry, spec = rustgym.registration.Registry(), EnvSpec("CartPole-v1", entry_point="nowhere:Nothing")
+    assert registry["CartPole-v1"] is not gymnasium.registry["CartPole-v1"]
+    registry["CartPole-v1"] = spec
+    assert registry["CartPole-v1"] is spec and gymnasium.registry["CartPole-v1"] is spec
+    del registry["CartPole-v1"]
+    assert "CartPole-v1" not in registry and "CartPole-v1" not in gymnasium.registry

@@ -386,3 +386,86 @@ fn start() -> Result<Start> {
         milliseconds: fastest.unwrap_or_default().as_secs_f64() * 1e3,
     })
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use gym::{Outcome, Reset, Space};
+
+    /// An environment whose episodes have three steps. A step after the end is an error.
+    #[derive(Clone, Debug, Default)]
+    struct Three {
+        steps: u32,
+        resets: std::sync::Arc<std::sync::atomic::AtomicU32>,
+    }
+
+    impl Env for Three {
+        type Observation = i64;
+        type Action = i64;
+
+        fn observation_space(&self) -> Space {
+            Space::discrete(4)
+        }
+
+        fn action_space(&self) -> Space {
+            Space::discrete(2)
+        }
+
+        fn reset_into(&mut self, _: &Reset, observation: &mut i64) -> Result<()> {
+            self.resets
+                .fetch_add(1, std::sync::atomic::Ordering::Relaxed);
+            (self.steps, *observation) = (0, 0);
+            Ok(())
+        }
+
+        fn step_into(&mut self, _: &i64, observation: &mut i64) -> Result<Outcome> {
+            if self.steps == 3 {
+                return Err(Error::custom("the episode is over"));
+            }
+            self.steps += 1;
+            *observation = self.steps.into();
+            let terminated = self.steps == 3;
+            Ok(Outcome {
+                terminated,
+                ..Outcome::default()
+            })
+        }
+    }
+
+    #[test]
+    fn a_measured_environment_is_reset_after_each_end() {
+        let env = Three::default();
+        let resets = env.resets.clone();
+        let mut work = scalar(env).unwrap();
+        // more steps than there are actions
+        assert_eq!(work(3000).unwrap(), 3000);
+        let resets = resets.load(std::sync::atomic::Ordering::Relaxed);
+        assert_eq!(resets, 1 + 1000);
+    }
+
+    #[test]
+    fn each_kind_takes_the_steps_that_it_says() {
+        for (kind, num_envs, taken) in [
+            (Kind::Make, 1, 100),
+            (Kind::Frames, 1, 100),
+            (Kind::Sync, 7, 105),
+            (Kind::Async, 7, 105),
+            (Kind::Native, 7, 105),
+        ] {
+            let mut work = work("CartPole-v1", kind, num_envs).unwrap().unwrap();
+            assert_eq!(work(100).unwrap(), taken, "{kind}");
+        }
+        assert!(work("CarRacing-v3", Kind::Native, 2).unwrap().is_none());
+    }
+
+    #[test]
+    fn steps_are_counted_per_second() {
+        // a step takes at least two milliseconds, and each call takes a tenth more steps than asked
+        let work = |steps: u64| {
+            std::thread::sleep(Duration::from_millis(2 * steps));
+            Ok(steps + steps / 10)
+        };
+        let speed = measure(Box::new(work), 0.4).unwrap();
+        assert!((20.0..=550.0).contains(&speed), "{speed}");
+    }
+}

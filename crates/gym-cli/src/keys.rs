@@ -170,4 +170,25 @@ mod tests {
         assert_eq!(of(99, 5)["9"], 14);
         assert_eq!(digits(&Space::boxed([0.0], [1.0])), json!({}));
     }
+
+    #[test]
+    fn the_action_without_a_key_is_checked_too() {
+        let keys = |idle| Keys {
+            idle,
+            ..Keys::new(json!({"A": 1}))
+        };
+        let space = Space::discrete(3);
+        for idle in [Idle::Wait, Idle::Repeat, Idle::Action(json!(2))] {
+            check(&keys(idle), &space).unwrap();
+        }
+        let error = check(&keys(Idle::Action(json!(3))), &space).unwrap_err();
+        let words = "a key has the action 3, which is not in Discrete(3)";
+        assert!(error.to_string().contains(words), "{error}");
+    }
+
+    #[test]
+    fn descriptions_have_every_key_in_its_order() {
+        let keys = Keys::new(json!({"Left": 0, "Right": [1.5]}));
+        assert_eq!(describe(&keys), "Left = 0, Right = [1.5]");
+    }
 }

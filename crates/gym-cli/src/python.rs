@@ -129,3 +129,50 @@ fn copy(from: &Path, to: &Path) -> Result<()> {
     }
     Ok(())
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use serde_json::json;
+
+    #[test]
+    fn a_folder_is_copied_without_compiled_modules() {
+        let folder = std::env::temp_dir().join(format!("gym-cli-copy-{}", std::process::id()));
+        let _ = fs::remove_dir_all(&folder);
+        let write = |path: &str| {
+            let path = folder.join("from").join(path);
+            fs::create_dir_all(path.parent().unwrap()).unwrap();
+            fs::write(&path, path.to_str().unwrap()).unwrap();
+        };
+        for path in [
+            "a.py",
+            "in/b.py",
+            "in/__pycache__/b.pyc",
+            "__pycache__/a.pyc",
+        ] {
+            write(path);
+        }
+        let [from, to] = ["from", "to/there"].map(|name| folder.join(name));
+        copy(&from, &to).unwrap();
+        for path in ["a.py", "in/b.py"] {
+            let [from, to] = [&from, &to].map(|folder| fs::read(folder.join(path)).unwrap());
+            assert_eq!(from, to, "{path}");
+        }
+        assert!(!to.join("__pycache__").exists() && !to.join("in/__pycache__").exists());
+        let error = copy(&folder.join("nowhere"), &to).unwrap_err().to_string();
+        assert!(error.contains("nowhere"), "{error}");
+        fs::remove_dir_all(&folder).unwrap();
+    }
+
+    #[test]
+    fn a_package_is_in_the_folder_of_its_manifest() {
+        let packages = json!({"packages": [
+            {"name": "a", "manifest_path": "/x/a/Cargo.toml"},
+            {"name": "b", "manifest_path": "/y/Cargo.toml"},
+        ]});
+        let folder = |name| folder_of(&packages, name);
+        assert_eq!(folder("a"), Some("/x/a".into()));
+        assert_eq!(folder("b"), Some("/y".into()));
+        assert_eq!(folder("c"), None);
+    }
+}

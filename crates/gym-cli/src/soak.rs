@@ -79,3 +79,35 @@ fn resident_memory() -> u64 {
         .and_then(|pages| pages.parse::<u64>().ok());
     pages.unwrap_or(0) * PAGE
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_episode_is_counted_at_its_end() {
+        let pendulum = gym::registry::find("Pendulum-v1").unwrap();
+        for (steps, episodes) in [(199, 0), (200, 1), (999, 4), (1000, 5)] {
+            let (found, _) = soak_one(&pendulum, steps, 0).unwrap();
+            assert_eq!(found, episodes, "{steps} steps of episodes of 200");
+        }
+    }
+
+    #[cfg(target_os = "linux")]
+    #[test]
+    fn memory_is_what_was_written_to() {
+        const SIZE: usize = 1 << 30;
+        let before = resident_memory();
+        assert!(before > 1 << 20, "{before} bytes");
+        let reserved: Vec<u8> = std::hint::black_box(Vec::with_capacity(SIZE));
+        let grown = resident_memory().saturating_sub(before);
+        assert!(grown < SIZE as u64 / 2, "{grown} bytes are only reserved");
+        drop(reserved);
+        let before = resident_memory();
+        let written = std::hint::black_box(vec![1_u8; 256 << 20]);
+        let grown = resident_memory().saturating_sub(before);
+        // (other tests may return memory meanwhile)
+        assert!(grown > 128 << 20, "{grown} bytes");
+        drop(written);
+    }
+}

@@ -357,6 +357,33 @@ mod tests {
     use super::*;
 
     #[test]
+    fn progress_names_environment_check_and_time() {
+        let id = "a/B-v0";
+        let runs = Progress::Runs {
+            id,
+            check: "clones-agree",
+        };
+        assert_eq!(Progress::Begins { id }.to_string(), "checking a/B-v0");
+        assert_eq!(
+            runs.to_string(),
+            "a/B-v0: the check clones-agree takes longer than 5 s"
+        );
+        let slow = Slow {
+            check: "clones-agree",
+            took: Duration::from_millis(6600),
+            reset: Duration::from_millis(250),
+        };
+        let told = Progress::Slow { id, slow }.to_string();
+        assert!(
+            told.starts_with("a/B-v0: ")
+                && told.contains("clones-agree")
+                && told.contains("7 s")
+                && told.contains("0.250 s"),
+            "{told}"
+        );
+    }
+
+    #[test]
     fn work_that_takes_long_is_told_while_it_goes_on() {
         let (told, hears) = mpsc::channel();
         // the work waits until `tell` was called

@@ -169,6 +169,64 @@ impl Common {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use serde_json::json;
+
+    /// The last value that is taken, and the next.
+    #[test]
+    fn arguments_are_checked_up_to_their_limits() {
+        let skip = |frame_skip| Common {
+            frame_skip,
+            ..Common::default()
+        };
+        let sides = |width, height| Common {
+            width,
+            height,
+            ..Common::default()
+        };
+        let cameras = |camera_id, name: Option<&str>| Common {
+            camera_id,
+            camera_name: name.map(str::to_owned),
+            ..Common::default()
+        };
+        let flags = |flags: Json| Common {
+            visual_options: flags.as_object().cloned(),
+            ..Common::default()
+        };
+        for fits in [
+            skip(1),
+            skip(1000),
+            sides(1, 1),
+            sides(16_384, 16_384),
+            cameras(Some(0), None),
+            cameras(None, Some("a")),
+            flags(json!({})),
+            flags(json!({"0": true, "31": false})),
+        ] {
+            fits.check().unwrap();
+        }
+        for (common, words) in [
+            (skip(0), "frame_skip: 0 is not from 1 to 1000"),
+            (skip(1001), "frame_skip: 1001 is not from 1 to 1000"),
+            (sides(0, 1), "must lie between 1 and 16384 pixels"),
+            (sides(1, 0), "must lie between 1 and 16384 pixels"),
+            (sides(16_385, 1), "must lie between 1 and 16384 pixels"),
+            (sides(1, 16_385), "must lie between 1 and 16384 pixels"),
+            (
+                cameras(Some(-1), Some("a")),
+                "camera_id: does not go with camera_name",
+            ),
+            (
+                flags(json!({"0": 3})),
+                "visual_options: 0: 3 is not a flag's number with true or false",
+            ),
+            (flags(json!({"a": true})), "visual_options: a: true is not"),
+            (flags(json!({"1": true, "-1": true})), "-1: true is not"),
+        ] {
+            let error = common.check().unwrap_err().to_string();
+            let error = error.replace('`', "");
+            assert!(error.contains(words), "{error} has not {words}");
+        }
+    }
 
     #[test]
     fn cameras_have_numbers_and_names_and_the_free_one_has_neither() {

@@ -570,3 +570,13 @@ fn a_recording_ends_where_the_episode_does_not() {
     let said = prints(&[&["gif", "BabyAI-BossLevel-v0"], &options[..]].concat());
     assert!(said.ends_with(": 3 frames\n"), "{said}");
 }
+
+#[test]
+fn what_only_a_plugin_or_one_environment_can_do_is_refused_elsewhere() {
+    let error = fails(&["python"]);
+    let words =
+        "the environments of this workspace are in rustgym: `pip install ./crates/gym-python`";
+    assert!(error.contains(words), "{error}");
+    let error = fails(&["bench", "--only-steps", "3"]);
+    assert!(error.contains("name an id, a kind and a number"), "{error}");
+}

@@ -6,6 +6,7 @@ mod documents;
 mod files;
 mod lines;
 mod pictures;
+mod play;
 mod plugin;
 mod replay;
 mod run;

@@ -106,3 +106,40 @@ pub(super) fn document(returns: &Returns) -> Result<Document> {
         serde_json::to_string_pretty(returns).map_err(|error| Error::custom(error.to_string()))?;
     Ok((PathBuf::from(FILE), (json + "\n").into_bytes()))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_summary_has_the_mean_and_deviation_of_a_hundred_episodes() {
+        // each step is worth 1, so that returns are lengths
+        let spec = gym::builder("CartPole-v1").spec().unwrap();
+        let mut env = spec.make().unwrap();
+        let mut play = |seed| {
+            Policy::Random
+                .play(&mut env, seed, |_| Ok(()))
+                .unwrap()
+                .length
+        };
+        let lengths: Vec<u64> = (0..100).map(&mut play).collect();
+        let of = |power| lengths.iter().map(|n| (*n as f64).powi(power)).sum::<f64>() / 100.0;
+        let found = summary(&spec, Policy::Random).unwrap();
+        let near = |x: f64, y: f64| (x - y).abs() <= 0.005 + 1e-9;
+        assert!(near(found.mean, of(1)), "{found:?}");
+        assert!(near(found.mean_length, of(1)), "{found:?}");
+        assert!(
+            near(found.deviation, (of(2) - of(1) * of(1)).sqrt()),
+            "{found:?}"
+        );
+        assert!(
+            near(found.mean * 100.0, (found.mean * 100.0).round()),
+            "{found:?}"
+        );
+
+        let pendulum = gym::builder("Pendulum-v1").spec().unwrap();
+        let found = summary(&pendulum, Policy::Random).unwrap();
+        assert_eq!(found.mean_length, 200.0);
+        assert!(found.mean < -800.0, "{found:?}");
+    }
+}

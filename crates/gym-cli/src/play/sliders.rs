@@ -306,6 +306,24 @@ mod tests {
         assert_eq!(stage.session.steps, 5);
         pass(&mut stage, idle, &["0"], 0);
         assert_eq!(stage.sliders[0].value, 0.0);
+        let press =
+            |stage: &mut Stage<'_>, pass: &mut dyn FnMut(&mut Stage<'_>, Pointer), name: &str| {
+                let at = place(stage, name, 0.5);
+                pass(stage, at);
+                pass(stage, idle);
+            };
+        let mut click = |stage: &mut Stage<'_>, at: Pointer| drop(pass(stage, at, &[], 0));
+        // what keys do, buttons do too
+        press(&mut stage, &mut click, "Run");
+        assert!(!stage.is_paused);
+        press(&mut stage, &mut click, "Step");
+        assert_eq!((stage.session.steps, stage.is_paused), (6, true));
+        stage.sliders[0].value = 0.5;
+        press(&mut stage, &mut click, "all to zero");
+        assert_eq!(stage.sliders[0].value, 0.0);
+        press(&mut stage, &mut click, "Run");
+        press(&mut stage, &mut click, "Pause");
+        assert!(stage.is_paused);
         let at = place(&stage, "Reset", 0.5);
         pass(&mut stage, at, &[], 0);
         assert_eq!((stage.session.steps, stage.session.episode), (0, 2));

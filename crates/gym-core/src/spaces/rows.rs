@@ -371,6 +371,22 @@ mod tests {
         SequenceSpace, TextSpace, TupleSpace,
     };
 
+    #[test]
+    fn a_row_has_the_numbers_of_all_members() {
+        let pair = TupleSpace::new([
+            TextSpace::new(1, 5).unwrap().into(),
+            Space::boxed([0.0; 3], [1.0; 3]),
+        ]);
+        let both = DictSpace::new([
+            ("a", Space::discrete(4)),
+            ("b", pair.clone().into()),
+            ("c", MultiBinary::new([2, 3]).unwrap().into()),
+        ])
+        .unwrap();
+        assert_eq!(Space::from(pair).len_of_row(), 4);
+        assert_eq!(Space::from(both).len_of_row(), 1 + 4 + 6);
+    }
+
     fn spaces() -> Vec<Space> {
         let pair = || TupleSpace::new([Space::discrete(3), Space::boxed([0.0; 2], [1.0; 2])]);
         vec![

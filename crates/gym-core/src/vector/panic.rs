@@ -60,3 +60,53 @@ impl<E> Drop for Held<E> {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_message_of_a_panic_is_told() {
+        let told = |f: fn()| {
+            let result = contained(" on the way", || {
+                f();
+                Ok(())
+            });
+            result.unwrap_err().to_string()
+        };
+        for (f, words) in [
+            (
+                (|| panic!("a word")) as fn(),
+                "it panicked on the way: a word",
+            ),
+            (
+                || panic!("{} words", "two".to_owned()),
+                "it panicked on the way: two words",
+            ),
+            (
+                || std::panic::panic_any(3),
+                "it panicked on the way: no message",
+            ),
+        ] {
+            let told = told(f);
+            assert!(told.contains(words), "{told}");
+        }
+        assert_eq!(contained("", || Ok(3)).unwrap(), 3);
+        let refused = contained("", || -> Result<()> { Err(Error::custom("no")) });
+        assert_eq!(refused.unwrap_err().to_string(), "no");
+    }
+
+    #[test]
+    fn what_panics_while_it_is_dropped_is_dropped_once() {
+        struct Bomb<'a>(&'a std::sync::atomic::AtomicU32);
+        impl Drop for Bomb<'_> {
+            fn drop(&mut self) {
+                self.0.fetch_add(1, std::sync::atomic::Ordering::Relaxed);
+                panic!("on purpose");
+            }
+        }
+        let dropped = std::sync::atomic::AtomicU32::new(0);
+        drop(Held::new(Bomb(&dropped)));
+        assert_eq!(dropped.into_inner(), 1);
+    }
+}

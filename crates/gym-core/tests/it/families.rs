@@ -134,3 +134,39 @@ fn a_registration_knows_its_family() {
         .unwrap();
     assert!(need.what == "a key" && !need.is_met());
 }
+
+/// A warning tells of an id that is out of date, and of the version chosen; the newest has none.
+#[test]
+fn an_id_resolves_to_its_version_or_the_newest_with_a_warning() {
+    for id in ["resolved/Two-v1", "resolved/Two-v3", "resolved/Plain"] {
+        registry::register(still(id, "", "")).unwrap();
+    }
+    for (asked, found, warning) in [
+        ("resolved/Two-v3", "resolved/Two-v3", None),
+        (
+            "resolved/Two-v1",
+            "resolved/Two-v1",
+            Some("`resolved/Two-v1` is out of date: consider upgrading to `resolved/Two-v3`"),
+        ),
+        (
+            "resolved/Two",
+            "resolved/Two-v3",
+            Some("using the latest version `resolved/Two-v3` of the unversioned `resolved/Two`"),
+        ),
+        ("resolved/Plain", "resolved/Plain", None),
+    ] {
+        let (registration, told) = registry::resolve(asked).unwrap();
+        assert_eq!((registration.id(), told.as_deref()), (found, warning));
+    }
+    for (id, words) in [
+        ("resolved/Two-v2", "resolved/Two"),
+        ("resolved/Plain-v0", "resolved/Plain"),
+        ("resolved/None-v0", "None"),
+    ] {
+        let error = registry::resolve(id).unwrap_err().to_string();
+        assert!(error.contains(words), "{error}");
+    }
+    for id in ["resolved/Two-v3", "resolved/Two", "resolved/Plain-v1"] {
+        assert!(registry::register(still(id, "", "")).is_err(), "{id}");
+    }
+}

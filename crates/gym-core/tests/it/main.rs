@@ -5,6 +5,7 @@ mod affinity;
 mod edges;
 mod families;
 mod groups;
+mod limits;
 mod lockstep;
 mod rare;
 mod seams;

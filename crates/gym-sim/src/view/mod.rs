@@ -9,6 +9,8 @@ mod light;
 mod look;
 mod marks;
 mod meshes;
+#[cfg(test)]
+mod pictures;
 mod shapes;
 mod solids;
 mod surface;
@@ -428,7 +430,28 @@ impl Own {
 
 #[cfg(test)]
 pub(crate) mod tests {
-    use gym_core::canvas::{Align, Canvas, Color, Point, Shape, Transform};
+    use super::*;
+    use gym_core::canvas::{Align, Point, Shape, Transform};
+
+    /// Of an even number of places numpy's median is the mean of the two in the middle.
+    #[test]
+    fn the_free_camera_looks_at_the_median_of_the_geoms() {
+        let looks_at = |places: &[&str]| {
+            let geom = |pos: &&str| format!("<geom size='.1' pos='{pos}'/>");
+            let geoms: String = places.iter().map(geom).collect();
+            let text = format!("<mujoco><worldbody>{geoms}</worldbody></mujoco>");
+            let model = Model::from_xml(&text).unwrap();
+            let view = View::new(&model, &CameraConfig::default()).unwrap();
+            view.free_camera().unwrap().lookat.unwrap()
+        };
+        assert_eq!(looks_at(&[]), [0.0; 3]);
+        assert_eq!(looks_at(&["1 2 3"]), [1.0, 2.0, 3.0]);
+        assert_eq!(looks_at(&["1 2 3", "2 8 -3"]), [1.5, 5.0, 0.0]);
+        let places = ["9 1 0", "-4 2 7", "2 4 1"];
+        assert_eq!(looks_at(&places), [2.0, 2.0, 1.0]);
+        let places = ["9 1 0", "-4 2 7", "2 4 1", "3 8 2"];
+        assert_eq!(looks_at(&places), [2.5, 3.0, 1.5]);
+    }
 
     /// A canvas that keeps the colours of shapes.
     #[derive(Default)]

@@ -101,9 +101,17 @@ fn keyframes_have_names_and_numbers() {
 fn each_actuator_has_a_range() {
     let viewer = viewer(
         r#"<mujoco><compiler angle="radian"/><worldbody><body><joint name="a" range="-1 2"/><geom size="1"/>
-        <body><joint name="b"/><geom size="1"/></body></body></worldbody>
+        <body><joint name="b"/><geom size="1"/></body></body>
+        <body><joint name="slide" type="slide"/><joint name="short" type="slide" range="0 .5"/><geom size="1"/></body>
+        <body><joint name="ball" type="ball" range="0 1"/><geom size="1"/><site name="s"/></body></worldbody>
         <actuator><motor name="limited" joint="a" ctrlrange="-3 5"/><motor joint="a"/><position joint="a"/>
-        <position joint="a" gear="-2"/><position joint="b"/><velocity joint="b"/></actuator></mujoco>"#,
+        <position joint="a" gear="-2"/><position joint="b"/><velocity joint="b"/><position jointinparent="a" kp="7" kv="3"/>
+        <position joint="slide"/><position joint="short" gear="4"/><position joint="ball"/><position site="s"/>
+        <position joint="a" gear="0"/><intvelocity joint="a" kp="2"/>
+        <general joint="a" gainprm="2" biastype="affine" biasprm="0 -3"/>
+        <general joint="a" gainprm="2" biastype="affine" biasprm="1 -2 -1"/>
+        <general joint="a" gainprm="-2" biastype="affine" biasprm="0 2"/>
+        <general joint="a" gainprm="2" biasprm="0 -2"/></actuator></mujoco>"#,
     );
     let pi = std::f64::consts::PI;
     let expected = [
@@ -113,6 +121,20 @@ fn each_actuator_has_a_range() {
         ("actuator 3", [-4.0, 2.0], false),
         ("actuator 4", [-pi, pi], false),
         ("actuator 5", [-1.0, 1.0], false),
+        ("actuator 6", [-1.0, 2.0], false),
+        // of a slide without a range, of a ball and of a site, no position is known
+        ("actuator 7", [-1.0, 1.0], false),
+        ("actuator 8", [0.0, 2.0], false),
+        ("actuator 9", [-1.0, 1.0], false),
+        ("actuator 10", [-1.0, 1.0], false),
+        ("actuator 11", [-1.0, 1.0], false),
+        // the control of an integrated velocity is no position
+        ("actuator 12", [-1.0, 1.0], false),
+        // only what pulls to its control is a servo
+        ("actuator 13", [-1.0, 1.0], false),
+        ("actuator 14", [-1.0, 2.0], false),
+        ("actuator 15", [-1.0, 1.0], false),
+        ("actuator 16", [-1.0, 1.0], false),
     ];
     assert_eq!(viewer.controls().len(), expected.len());
     for (control, (name, range, is_limited)) in viewer.controls().iter().zip(expected) {

@@ -12,8 +12,9 @@ use crate::math::spatial::{
     join, normalize, rotate, rotate_back, rotate_back6, rotation, scale, sub, transform_force,
     transform_motion, translation,
 };
-use crate::model::{About, Disable, Mount, ObjectType, SensorType, Stage};
+use crate::model::{About, Disable, Mount, ObjectType, SensorType, Stage, same_quat};
 use crate::physics::constraint::Source;
+use crate::physics::data::UNTURNED;
 use crate::{Contact, Data, Model};
 
 /// Computes `sensordata` of the sensors of `stages`: MuJoCo's `mj_sensorPos`, `mj_sensorVel` and
@@ -98,15 +99,22 @@ fn three([x, y, z]: Vec3) -> Quat {
 /// in the body's frame.
 fn quat_of<O: Order>(m: &Model, d: &Data, kind: ObjectType, id: usize) -> Quat {
     let within = |body: usize, quat: Quat| O::mul_quat(d.xquat[body], quat);
+    // a product with an identity may lose the sign of a zero
+    let inertial = |body: usize| match m.body_iquat[body] {
+        quat if m.revision.reads_mounted_orientations() && same_quat(&quat, &UNTURNED) => {
+            d.xquat[body]
+        }
+        quat => within(body, quat),
+    };
     let mounted = |body: usize, quat: Quat, mount: &Mount| match mount {
         _ if !m.revision.reads_mounted_orientations() => within(body, quat),
-        Mount::Inertial | Mount::Aligned(_) => within(body, m.body_iquat[body]),
+        Mount::Inertial | Mount::Aligned(_) => inertial(body),
         Mount::Own(pose) if !pose.turned => d.xquat[body],
         Mount::Own(_) => within(body, quat),
     };
     let plan = m.plan();
     match kind {
-        ObjectType::Body => within(id, m.body_iquat[id]),
+        ObjectType::Body => inertial(id),
         ObjectType::Geom => mounted(m.geom_bodyid[id], m.geom_quat[id], &plan.geoms[id]),
         ObjectType::Site => mounted(m.site_bodyid[id], m.site_quat[id], &plan.sites[id]),
         ObjectType::Camera => within(m.cam_bodyid[id], m.cam_quat[id]),

@@ -47,6 +47,99 @@ fn sizes_and_depths_have_limits() {
     );
 }
 
+/// Each limit of a text at its number and one beyond. What is at a limit may be wrong otherwise.
+#[test]
+fn the_last_that_fits_is_read_and_the_next_is_refused() {
+    let world = |part: String| format!("<mujoco><worldbody>{part}</worldbody></mujoco>");
+    let section = |name: &str, part: String| format!("<mujoco><{name}>{part}</{name}></mujoco>");
+    let nested = |n: usize| world("<body>".repeat(n) + &"</body>".repeat(n));
+    let many = |element: &str, n: usize| format!("<{element}/>").repeat(n);
+    type Make<'a> = &'a dyn Fn(usize) -> String;
+    let cases: [(usize, &str, Make<'_>); 15] = [
+        (
+            8 << 20,
+            "the text is too long: the limit is 8388608",
+            &|n| format!("<mujoco>{}</mujoco>", " ".repeat(n - 17)),
+        ),
+        // the world has the first depth
+        (200, "nested deeper than 200", &|n| nested(n - 1)),
+        (1000, "more than 1000 attributes", &|n| {
+            world(
+                (0..n)
+                    .map(|i| format!(" a{i}=\"\""))
+                    .fold("<body".to_owned(), |a, b| a + &b)
+                    + "/>",
+            )
+        }),
+        (10, "more than 10 namespaces", &|n| {
+            world(
+                (0..n)
+                    .map(|i| format!("<body xmlns:a{i}=\"{i}\"/>"))
+                    .collect(),
+            )
+        }),
+        (1000, "more than 1000 are not supported", &|n| {
+            world(format!("<body name=\"{}\"/>", "n".repeat(n)))
+        }),
+        // the world is a body
+        (4000, "more than 4000 bodies", &|n| {
+            world(many("body", n - 1))
+        }),
+        (4000, "more than 4000 materials", &|n| {
+            section(
+                "asset",
+                (0..n)
+                    .map(|i| format!("<material name=\"{i}\"/>"))
+                    .collect(),
+            )
+        }),
+        (4000, "more than 4000 sensors", &|n| {
+            section("sensor", many("clock", n))
+        }),
+        (4000, "more than 4000 excludes", &|n| {
+            let exclude = "exclude body1=\"a\" body2=\"a\"";
+            section("contact", many(exclude, n))
+        }),
+        (4000, "more than 4000 actuators", &|n| {
+            section("actuator", many("motor", n))
+        }),
+        // the class of all is one
+        (4000, "more than 4000 classes", &|n| {
+            let class = |i| format!("<default class=\"{i}\"/>");
+            section("default", (1..n).map(class).collect())
+        }),
+        (4000, "more than 4000 parts of tendons", &|n| {
+            section(
+                "tendon",
+                format!("<fixed>{}</fixed>", many("joint joint=\"j\" coef=\"1\"", n)),
+            )
+        }),
+        (1000, "more than 1000 keys", &|n| {
+            section("keyframe", many("key", n))
+        }),
+        (1000, "nkey", &|n| {
+            format!("<mujoco><size nkey=\"{n}\"/></mujoco>")
+        }),
+        (100_000, "iterations", &|n| {
+            format!("<mujoco><option iterations=\"{n}\"/></mujoco>")
+        }),
+    ];
+    for (limit, words, text) in cases {
+        let error = |n: usize| {
+            Model::from_xml(&text(n))
+                .err()
+                .map(|error| error.to_string())
+        };
+        let [fits, beyond] = [limit, limit + 1].map(error);
+        let is_told = |error: &Option<String>| {
+            let error = error.as_deref();
+            error.is_some_and(|error| error.contains(words))
+        };
+        assert!(!is_told(&fits), "{limit}: {fits:?}");
+        assert!(is_told(&beyond), "{}, {words}: {beyond:?}", limit + 1);
+    }
+}
+
 /// Matrices are counted before they are allocated: joints that follow one another fill the inertia
 /// matrix, and rows of constraints have a number for each degree of freedom.
 #[test]

@@ -128,3 +128,69 @@ fn files_that_are_missing_or_name_each_other_are_refused() {
     let error = error.unwrap_err().to_string();
     assert_eq!(error, "main.xml: there is no such file");
 }
+
+/// A binary STL file with the triangles of a tetrahedron, one corner of which is at a height.
+fn stl(height: f32) -> Vec<u8> {
+    let corners = [
+        [0.0, 0.0, 0.0],
+        [1.0, 0.0, 0.0],
+        [0.0, 1.0, 0.0],
+        [0.0, 0.0, height],
+    ];
+    let mut bytes = vec![0; 80];
+    bytes.extend(4_u32.to_le_bytes());
+    for face in [[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]] {
+        bytes.extend([0; 12]);
+        let numbers = face.iter().flat_map(|corner: &usize| corners[*corner]);
+        bytes.extend(numbers.flat_map(f32::to_le_bytes));
+        bytes.extend([0; 2]);
+    }
+    bytes
+}
+
+#[test]
+fn a_binary_stl_file_is_read_up_to_its_limits() {
+    let model = r#"<mujoco><asset><mesh name="m" file="m.stl"/></asset><worldbody><geom type="mesh" mesh="m"/></worldbody></mujoco>"#;
+    let read = |bytes: Vec<u8>| {
+        let files = [("m.stl", bytes), ("model.xml", model.as_bytes().to_vec())];
+        let files = files.map(|(path, bytes)| (path.to_owned(), bytes)).into();
+        Model::from_files(&files, "model.xml", Revision::default())
+            .map_err(|error| error.to_string())
+    };
+    let found = read(stl(1.0)).unwrap();
+    // corners that triangles share are one
+    assert_eq!(
+        (
+            found.nmesh(),
+            found.meshes.mesh_vertnum[0],
+            found.meshes.mesh_facenum[0]
+        ),
+        (1, 4, 4)
+    );
+    let with_count = |count: i32| {
+        let mut bytes = stl(1.0);
+        bytes[80..84].copy_from_slice(&count.to_le_bytes());
+        bytes
+    };
+    let too_far = "vertex 3 has a number that is not finite, or too large";
+    let most = 1_073_741_824.0_f32;
+    for (bytes, words) in [
+        (stl(most.next_up()), too_far),
+        (stl(-most.next_up()), too_far),
+        (stl(f32::INFINITY), too_far),
+        (
+            stl(f32::NAN),
+            "has a number that is not finite, or too large",
+        ),
+        (with_count(0), "1 to 200,000 are allowed"),
+        (with_count(-1), "1 to 200,000 are allowed"),
+        (with_count(200_001), "1 to 200,000 are allowed"),
+        (with_count(3), "3 triangles"),
+        (with_count(5), "5 triangles"),
+        (stl(1.0)[..83].to_vec(), "84"),
+    ] {
+        let error = read(bytes).unwrap_err();
+        assert!(error.contains(words), "{error} has not {words}");
+    }
+    assert!(!read(stl(most)).is_err_and(|error| error.contains(too_far)));
+}

@@ -1,0 +1,235 @@
+//! What is wrong with a model is told in words that name it.
+
+use mujoco_engine::Model;
+
+/// What a section of a model may name.
+const WORLD: &str = r#"<geom name="g" type="sphere" size=".1"/><geom name="x" type="box" size=".1 .1 .1"/><site name="s"/><site name="t" pos="1 0 0"/><body name="b"><joint name="j"/><geom name="h" size=".1"/></body><body name="f"><freejoint name="free"/><geom size=".1"/></body><body name="l"><joint name="ball" type="ball"/><geom size=".1"/></body>"#;
+
+/// Parts of the world, and their errors.
+const PARTS: &[(&str, &str)] = &[
+    (
+        r#"<body><body><freejoint/><geom size=".1"/></body></body>"#,
+        r#"<freejoint> attribute "type": a free joint belongs to a body directly in the world"#,
+    ),
+    (
+        r#"<body><freejoint/><joint/><geom size=".1"/></body>"#,
+        r#"<freejoint> attribute "type": a free joint must be the only joint of its body"#,
+    ),
+    (
+        r#"<body mocap="true"><joint/><geom size=".1"/></body>"#,
+        r#"<body> attribute "mocap": a mocap body belongs to the world and has no joints"#,
+    ),
+    (
+        r#"<body><joint/><geom type="plane" size="1 1 1"/></body>"#,
+        r#"<geom> attribute "type": a plane belongs to the world, a mocap body, or a body fixed to one"#,
+    ),
+    (
+        r#"<geom type="plane" size="1 1 0"/>"#,
+        r#"<geom> attribute "size": a plane has two half sizes, which may be 0, and a positive spacing"#,
+    ),
+    (
+        "<body><joint/></body>",
+        "<body>: it has joints and therefore needs mass and inertia: give it a geom, or an <inertial>",
+    ),
+    (
+        r#"<body><inertial pos="0 0 0"/></body>"#,
+        r#"<inertial> attribute "mass": missing: it must be given"#,
+    ),
+    (
+        r#"<body><inertial mass="1" diaginertia="1 1 1"/></body>"#,
+        r#"<inertial> attribute "pos": missing: it must be given"#,
+    ),
+    (
+        r#"<body><inertial pos="0 0 0" mass="1" diaginertia="1 1 3"/></body>"#,
+        "<inertial>: the moments of inertia 1, 1, 3 are impossible: two must sum to at least the third",
+    ),
+    (
+        r#"<body><inertial pos="0 0 0" mass="1" diaginertia="1 1 1" fullinertia="1 1 1 0 0 0"/></body>"#,
+        r#"<inertial> attribute "fullinertia": only one of diaginertia, fullinertia"#,
+    ),
+    (
+        r#"<body><inertial pos="0 0 0" mass="1" fullinertia="1 1 1 0 0 0" euler="1 2 3"/></body>"#,
+        r#"<inertial> attribute "fullinertia": does not go with an orientation, which it implies"#,
+    ),
+    (
+        r#"<geom type="sphere"/>"#,
+        r#"<geom> attribute "size": this shape has a radius, which must be positive"#,
+    ),
+    (
+        r#"<geom size=".1" condim="2"/>"#,
+        r#"<geom> attribute "condim": is 2: use 1, 3, 4 or 6"#,
+    ),
+    (
+        r#"<geom size=".1" quat="0 0 0 0"/>"#,
+        r#"<geom> attribute "quat": the quaternion is zero"#,
+    ),
+    (
+        r#"<geom size=".1" zaxis="0 0 0"/>"#,
+        r#"<geom> attribute "zaxis": the axis is zero"#,
+    ),
+    (
+        r#"<geom size=".1" xyaxes="1 0 0 2 0 0"/>"#,
+        r#"<geom> attribute "xyaxes": the axes are zero or parallel"#,
+    ),
+    (
+        r#"<geom type="capsule" size=".1" fromto="1 1 1 1 1 1"/>"#,
+        r#"<geom> attribute "fromto": the ends are too close"#,
+    ),
+    (
+        r#"<geom type="sphere" size=".1" fromto="0 0 0 1 1 1"/>"#,
+        r#"<geom> attribute "fromto": only capsules, cylinders, ellipsoids and boxes have ends: give type="capsule""#,
+    ),
+    (
+        r#"<geom size=".1" class="none"/>"#,
+        r#"<geom> attribute "class": there is no class "none": the classes are main"#,
+    ),
+    (
+        r#"<geom size=".1" material="none"/>"#,
+        r#"<geom> attribute "material": there is no material "none""#,
+    ),
+    (
+        r#"<geom size=".1" group="x"/>"#,
+        r#"<geom> attribute "group": "x" is not a whole number in range"#,
+    ),
+    (
+        r#"<geom size=".1" type="cone"/>"#,
+        r#"<geom> attribute "type": "cone" is not supported: use plane, hfield, sphere, capsule, ellipsoid, cylinder, box, mesh"#,
+    ),
+    (
+        r#"<geom size=".1 .2 .3 .4"/>"#,
+        r#"<geom> attribute "size": too many numbers: at most 3 are expected"#,
+    ),
+    (
+        r#"<geom size=".1" density="-1"/>"#,
+        r#"<geom> attribute "density": must not be negative"#,
+    ),
+    (
+        r#"<body><joint range="2 1"/><geom size=".1"/></body>"#,
+        r#"<joint> attribute "range": the lower limit must be less than the upper one"#,
+    ),
+    (
+        r#"<body><joint type="ball" range="1 2"/><geom size=".1"/></body>"#,
+        r#"<joint> attribute "range": of a ball joint begins with 0"#,
+    ),
+    (
+        r#"<camera fovy="200"/>"#,
+        r#"<camera> attribute "fovy": must lie between 0 and 180 degrees"#,
+    ),
+    (
+        r#"<light dir="0 0 0"/>"#,
+        r#"<light> attribute "dir": the direction is zero"#,
+    ),
+];
+
+/// Sections beside [`WORLD`], and their errors.
+const SECTIONS: &[(&str, &str)] = &[
+    (
+        r#"<tendon><spatial armature="1"><site site="s"/><geom geom="g"/><site site="t"/></spatial></tendon>"#,
+        r#"<spatial> attribute "armature": does not go with a path around geoms"#,
+    ),
+    (
+        r#"<tendon><spatial><site site="s"/><geom geom="g"/></spatial></tendon>"#,
+        "<spatial>: part 1 of the path: a pulley has sites behind it, a site a neighbour, and a geom is between sites",
+    ),
+    (
+        r#"<tendon><spatial><site site="s"/><geom geom="x"/><site site="t"/></spatial></tendon>"#,
+        r#"<geom> attribute "geom": a tendon runs around spheres and cylinders only"#,
+    ),
+    (
+        r#"<tendon><fixed><joint joint="free" coef="1"/></fixed></tendon>"#,
+        r#"<joint> attribute "joint": "free" is free or a ball: only a slide or hinge is supported here"#,
+    ),
+    (
+        r#"<equality><connect anchor="0 0 0"/></equality>"#,
+        "<connect>: needs body1, or site1 and site2",
+    ),
+    (
+        r#"<equality><joint joint1="ball"/></equality>"#,
+        r#"<joint> attribute "joint1": "ball" is free or a ball: only a slide or hinge is supported here"#,
+    ),
+    (
+        r#"<actuator><general joint="j" actrange="0 1"/></actuator>"#,
+        r#"<general> attribute "actrange": there is no activation"#,
+    ),
+    (
+        "<actuator><motor/></actuator>",
+        r#"<motor> attribute "joint": missing: it must be given (or tendon, or site)"#,
+    ),
+    (
+        r#"<actuator><motor joint="j" refsite="s"/></actuator>"#,
+        r#"<motor> attribute "refsite": goes with site only"#,
+    ),
+    (
+        r#"<actuator><motor joint="j" cranklength="1"/></actuator>"#,
+        r#"<motor> attribute "slidersite": goes with cranksite only"#,
+    ),
+    (
+        r#"<actuator><position joint="j" kv="1" dampratio="1"/></actuator>"#,
+        r#"<position> attribute "dampratio": does not go with kv"#,
+    ),
+    (
+        r#"<actuator><position joint="free" inheritrange="1"/></actuator>"#,
+        r#"<position> attribute "inheritrange": needs a slide, hinge or tendon with a range"#,
+    ),
+    (
+        r#"<sensor><ballquat joint="j"/></sensor>"#,
+        r#"<ballquat> attribute "joint": must be a ball joint"#,
+    ),
+    (
+        r#"<sensor><framequat objtype="body" objname="b" cutoff="1"/></sensor>"#,
+        r#"<framequat> attribute "cutoff": axes and quaternions have no cutoff"#,
+    ),
+    (
+        r#"<asset><mesh name="m" vertex="0 0 0 1 0 0 0 1 0 0 0 1" maxhullvert="3"/></asset>"#,
+        r#"<mesh> attribute "maxhullvert": is 3: use at least 4, or -1 for no limit"#,
+    ),
+    (
+        r#"<asset><texture name="t" builtin="flat" width="4" height="4" nchannel="2"/></asset>"#,
+        r#"<texture> attribute "nchannel": must be 1, 3 or 4"#,
+    ),
+    (
+        r#"<asset><texture name="t"/></asset>"#,
+        r#"<texture> attribute "file": missing: give a file, the files of faces, or a builtin pattern"#,
+    ),
+];
+
+/// Whole texts, and their errors.
+const TEXTS: &[(&str, &str)] = &[
+    (
+        r#"<mujoco><compiler eulerseq="xy"/></mujoco>"#,
+        r#"<compiler> attribute "eulerseq": needs three of xyzXYZ"#,
+    ),
+    (
+        r#"<mujoco><compiler autolimits="false"/><worldbody><body><joint range="0 1"/><geom size=".1"/></body></worldbody></mujoco>"#,
+        r#"<joint> attribute "range": needs limited="true" here, where autolimits is false"#,
+    ),
+    (
+        r#"<mujoco><default class="other"/></mujoco>"#,
+        r#"<default> attribute "class": the outermost class is "main", not "other""#,
+    ),
+    (
+        "<robot/>",
+        "<robot>: not supported: the outermost element is <mujoco>",
+    ),
+];
+
+#[test]
+fn each_refusal_says_what_is_wrong() {
+    let world = |part: &str| format!("<mujoco><worldbody>{part}</worldbody></mujoco>");
+    let section = |part: &str| format!("<mujoco><worldbody>{WORLD}</worldbody>{part}</mujoco>");
+    // what the sections name is right
+    Model::from_xml(&section("")).unwrap();
+    let parts = PARTS.iter().map(|(part, error)| (world(part), *error));
+    let sections = SECTIONS.iter().map(|(part, error)| (section(part), *error));
+    let texts = TEXTS
+        .iter()
+        .map(|(text, error)| ((*text).to_owned(), *error));
+    let mut wrong = Vec::new();
+    for (text, expected) in parts.chain(sections).chain(texts) {
+        let told = Model::from_xml(&text).err().map(|error| error.to_string());
+        if !told.as_deref().is_some_and(|told| told.contains(expected)) {
+            wrong.push(format!("{text}\n{expected}\n{told:?}"));
+        }
+    }
+    assert!(wrong.is_empty(), "{}", wrong.join("\n\n"));
+}

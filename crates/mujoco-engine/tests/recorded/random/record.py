@@ -1,0 +1,65 @@
+#!/usr/bin/env python3
+"""Record random models of `tests/peers/random_models.py`, and digests of their episodes, for the test `random`.
+
+    pip install mujoco==4.0.0         draws models: python record.py --models NUMBER > models.txt
+    pip install mujoco==3.12.0        python record.py > 3.12.txt; repeat with 3.17.0 and 4.0.0
+
+A line of `models.txt` is a model. A line of the others is the digest of the positions, velocities, activations and sensors of 25 steps of that
+model; `-` if MuJoCo refuses the model or its motion diverges, because a diverging motion amplifies differences in the last bit.
+"""
+import os
+import pathlib
+import struct
+import sys
+import tempfile
+
+import mujoco
+import numpy as np
+
+FOLDER = pathlib.Path(__file__).resolve().parent
+STEPS = 25
+
+
+def digest(text):
+    try:
+        model = mujoco.MjModel.from_xml_string(text)
+        data, random = mujoco.MjData(model), np.random.RandomState(0)
+        low, high = model.actuator_ctrlrange.T
+        limited = model.actuator_ctrllimited.astype(bool)
+        digest = 0xCBF29CE484222325
+        for _ in range(STEPS):
+            control = np.array([random.uniform(-1, 1) for _ in range(model.nu)])
+            data.ctrl[:] = np.where(limited, low + (control + 1) / 2 * (high - low), control)
+            mujoco.mj_step(model, data)
+            for number in np.concatenate([data.qpos, data.qvel, data.act, data.sensordata]):
+                digest = (digest ^ struct.unpack("<Q", struct.pack("<d", number))[0]) * 0x100000001B3 % 2**64
+    except (ValueError, mujoco.FatalError):
+        return "-"
+    calm = not any(warning.number for warning in data.warning) and np.abs(data.qvel).max(initial=0) < 1e4
+    return f"{digest:016x}" if calm else "-"
+
+
+def draw(number):
+    sys.path.insert(0, str(FOLDER.parents[4] / "tests/peers"))
+    from random_models import Writer
+
+    random, seen = np.random.RandomState(7), 0
+    while seen < number:
+        text = Writer(random).model()
+        if digest(text) != "-":
+            seen += 1
+            print(text)
+
+
+def main():
+    with tempfile.TemporaryDirectory() as folder:
+        os.chdir(folder)  # MuJoCo writes its warnings to the current folder
+        if "--models" in sys.argv:
+            draw(int(sys.argv[-1]))
+        else:
+            for text in (FOLDER / "models.txt").read_text().splitlines():
+                print(digest(text))
+
+
+if __name__ == "__main__":
+    main()

@@ -100,11 +100,12 @@ class TimeSteps:
         infos.update(self._columns(*self._filled(rows, discounts, types, starts)))
 
     def _filled(self, rows: Any, discounts: Any, types: Any, starts: Any) -> tuple[Any, Any, Any]:
-        """The columns of the environments ``rows`` as Gymnasium's vectors fill them: the first number decides the type of a column."""
+        """The columns of the environments ``rows`` as Gymnasium's vectors fill them: a start has no discount, which is ``None`` in a
+        column that begins with one, and NaN in a column that begins with a number."""
         num_envs = self._envs.num_envs
-        first_has_none = starts[:1].any()
-        all_discounts = np.full(num_envs, None) if first_has_none else np.zeros(num_envs)
-        all_discounts[rows] = np.where(starts, None, discounts) if first_has_none else np.where(starts, np.nan, discounts)
+        no_discount, unset = (None, None) if starts[:1].any() else (np.nan, 0.0)
+        all_discounts = np.full(num_envs, unset)
+        all_discounts[rows] = np.where(starts, no_discount, discounts)
         all_types, where = np.full(num_envs, None), np.zeros(num_envs, np.bool_)
         all_types[rows], where[rows] = types, True
         return all_discounts, all_types, where

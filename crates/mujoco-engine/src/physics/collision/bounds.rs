@@ -8,6 +8,7 @@
 use super::Shape;
 use crate::Model;
 use crate::math::MAXVAL;
+use crate::math::number::Number;
 use crate::math::spatial::{Mat3, Vec3, add, column, dot, norm, rotate, rotate_back, sub};
 use crate::model::bounds::{Bounds, bounding_box, meetings};
 use crate::model::{GeomType, Pair};
@@ -18,6 +19,40 @@ pub(in crate::physics) const ROUNDING: f64 = 1e-5;
 
 /// A frame: its origin and axes.
 pub(in crate::physics) type Frame = (Vec3, Mat3);
+
+/// For each of a pair of spheres and capsules: the square of the distance of the other's centre from
+/// its segment, and a square above which the two have no contact, by more than rounding. `between`
+/// leads from the first centre to the second, `axes` are the directions of the segments.
+#[inline(always)]
+pub(in crate::physics) fn from_segments<N: Number>(
+    m: &Model,
+    pair: &Pair,
+    between: [N; 3],
+    axes: [[N; 3]; 2],
+) -> [(N, f64); 2] {
+    const RELATIVE: f64 = 1e-9;
+    // (a sphere is a capsule whose segment is a point)
+    let halves = pair.geom.map(|g| match m.geom_type[g] {
+        GeomType::Sphere => 0.0,
+        _ => m.geom_size[g][1],
+    });
+    let radii = m.geom_size[pair.geom[0]][0] + m.geom_size[pair.geom[1]][0];
+    let square = dot(between, between);
+    [0, 1].map(
+        #[inline(always)]
+        |k| {
+            let along = dot(between, axes[k]).abs();
+            let (across, beyond) = (square - along * along, along - halves[k]);
+            let [square] = N::choose(
+                beyond.is_below(0.0),
+                || [across],
+                || [across + beyond * beyond],
+            );
+            let most = (radii + halves[1 - k] + pair.margin) * (1.0 + RELATIVE) + ROUNDING;
+            (square, most * most)
+        },
+    )
+}
 
 /// Whether the boxes around two geoms are further apart than the margin, by more than rounding. The
 /// geoms then have no contact, and the search for one would take much longer.

@@ -25,7 +25,7 @@ use crate::math::spatial::{
 };
 use crate::model::{Disable, GeomType, Pair, Reach};
 use crate::{Contact, Data, Model};
-pub(in crate::physics) use bounds::{Frame, ROUNDING};
+pub(in crate::physics) use bounds::{Frame, ROUNDING, from_segments};
 pub(crate) use epa::Polytope;
 pub(super) use primitive::above_plane;
 
@@ -152,7 +152,12 @@ pub(in crate::physics) fn touch(
         (GeomType::Plane, GeomType::Cylinder) => plane_cylinder(a, b, margin, push),
         (GeomType::Sphere, GeomType::Sphere) => sphere_sphere(a, b, margin, push),
         (GeomType::Sphere, GeomType::Capsule) => sphere_capsule(a, b, margin, push),
-        (GeomType::Capsule, GeomType::Capsule) => capsule_capsule(a, b, margin, m.revision, push),
+        (GeomType::Capsule, GeomType::Capsule) => {
+            let squares = from_segments(m, pair, sub(b.pos, a.pos), [a.axis(), b.axis()]);
+            if !squares.iter().any(|(square, most)| square > most) {
+                capsule_capsule(a, b, margin, m.revision, push);
+            }
+        }
         (GeomType::Plane, GeomType::Box) => plane_box(a, b, margin, push),
         (GeomType::Sphere, GeomType::Box) => sphere_box((a.pos, a.size[0]), b, margin, push),
         (GeomType::Sphere, GeomType::Cylinder) => sphere_cylinder(a, b, margin, push),

@@ -10,10 +10,10 @@ use gym_numerics::math::{Lanes, Real};
 use super::tree::dot;
 use super::{Arrays, At, PerWorld, WORLDS, load, same, store};
 use crate::math::number;
-use crate::math::spatial::{add, column, scale};
+use crate::math::spatial::{add, column, dot as dot3, scale};
 use crate::model::{GeomType, Pair, Softness};
 use crate::physics::collision::{
-    Places, Polytope, ROUNDING, above_plane, contact_at, frame, touch,
+    Places, Polytope, ROUNDING, above_plane, contact_at, frame, from_segments, touch,
 };
 use crate::physics::rows::{contact_jacobian, pyramid, regularization};
 use crate::{Contact, Model};
@@ -65,6 +65,22 @@ pub(super) fn worlds(mut bits: u64, first: usize) -> impl Iterator<Item = usize>
             bits &= bits.wrapping_sub(1);
             (lane < 64).then_some(first + lane)
         },
+    )
+}
+
+/// Returns a bit for each world in the register: 1 if a capsule and a sphere or another capsule
+/// cannot touch. `between` leads from the first centre to the second.
+#[inline(always)]
+fn apart<S: Simd>(m: &Model, at: At<S>, a: &Arrays, pair: &Pair, between: [Lanes<S>; 3]) -> u64 {
+    let axes = pair.geom.map(
+        #[inline(always)]
+        |g| column(&number::get::<Lanes<S>, 9>(at, &a.geom_xmat[g]), 2),
+    );
+    let squares = from_segments(m, pair, between, axes).into_iter();
+    squares.fold(
+        0,
+        #[inline(always)]
+        |bits, (square, most)| bits | Lanes::<S>::bits(square.gt(square.same(most))),
     )
 }
 
@@ -169,7 +185,7 @@ impl Rows {
             } else {
                 between
             };
-            let height = crate::math::spatial::dot(between, along);
+            let height = dot3(between, along);
             let far = height.gt(height.same(reach.most));
             let near = !Lanes::<S>::bits(far) & live;
             if near == 0 {
@@ -179,6 +195,12 @@ impl Rows {
             {
                 self.touch_plane(m, at, a, index, near);
             } else {
+                let near = match plan.pairs[index].kind {
+                    (GeomType::Sphere | GeomType::Capsule, GeomType::Capsule) => {
+                        near & !apart(m, at, a, &plan.pairs[index], between)
+                    }
+                    _ => near,
+                };
                 for world in worlds(near, first) {
                     self.touch(m, a, index, world);
                 }

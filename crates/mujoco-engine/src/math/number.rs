@@ -1,7 +1,7 @@
 //! One number, or one number for each of several worlds: the smooth stages are generic over both.
 
 use std::fmt::Debug;
-use std::ops::{Add, Mul, Neg, Sub};
+use std::ops::{Add, BitAnd, BitOr, Div, Mul, Neg, Sub};
 
 use super::libm;
 
@@ -18,6 +18,7 @@ pub trait Number:
     + Sub<f64, Output = Self>
     + Mul<Output = Self>
     + Mul<f64, Output = Self>
+    + Div<Output = Self>
     + Neg<Output = Self>
 {
     /// Selects the worlds of a register.
@@ -27,7 +28,7 @@ pub trait Number:
     type Cell: Copy;
 
     /// A boolean for each number.
-    type Mask: Copy;
+    type Mask: Copy + BitAnd<Output = Self::Mask> + BitOr<Output = Self::Mask>;
 
     /// `x` in each world.
     fn of(place: Self::At, x: f64) -> Self;
@@ -79,11 +80,20 @@ pub trait Number:
     /// Whether each number is less than `x`.
     fn is_below(self, x: f64) -> Self::Mask;
 
+    /// Whether each number is less than `other`.
+    fn is_less(self, other: Self) -> Self::Mask;
+
+    /// Whether each number is less than or equal to `other`.
+    fn is_at_most(self, other: Self) -> Self::Mask;
+
     /// Whether each number differs from `from` by more than `by`.
     fn is_off(self, from: f64, by: f64) -> Self::Mask;
 
     /// Whether each number is zero.
     fn is_zero(self) -> Self::Mask;
+
+    /// Whether the mask is set for all numbers.
+    fn all(mask: Self::Mask) -> bool;
 
     /// `yes` where the mask is set, else `no`. For an `f64`, only the chosen operand is computed.
     fn choose<const K: usize>(
@@ -156,6 +166,16 @@ impl Number for f64 {
     }
 
     #[inline(always)]
+    fn is_less(self, other: Self) -> bool {
+        self < other
+    }
+
+    #[inline(always)]
+    fn is_at_most(self, other: Self) -> bool {
+        self <= other
+    }
+
+    #[inline(always)]
     fn is_off(self, from: f64, by: f64) -> bool {
         (self - from).abs() > by
     }
@@ -163,6 +183,11 @@ impl Number for f64 {
     #[inline(always)]
     fn is_zero(self) -> bool {
         self == 0.0
+    }
+
+    #[inline(always)]
+    fn all(mask: bool) -> bool {
+        mask
     }
 
     #[inline(always)]

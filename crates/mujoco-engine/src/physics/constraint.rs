@@ -140,6 +140,7 @@ impl Constraints {
         }
         self.kbip.reserve(bounds.rows);
         self.island.reserve(bounds.rows);
+        self.loss.reserve(bounds.rows);
     }
 
     pub(crate) fn clear(&mut self) {

@@ -113,12 +113,13 @@ fn worlds_that_step_together_have_the_bits_of_one() {
 }
 
 /// Worlds of several trees step together, whether their constraints have stages for several worlds or
-/// each world solves alone.
+/// each world makes its rows, or solves, alone.
 #[test]
 fn worlds_of_several_trees_have_the_bits_of_one() {
     for (option, friction) in [
         ("timestep=\"0.004\"", ""),
         ("integrator=\"RK4\"", ""),
+        ("", "frictionloss=\"0.2\""),
         ("cone=\"elliptic\" impratio=\"3\"", "frictionloss=\"0.2\""),
         ("solver=\"CG\"", "frictionloss=\"0.2\""),
         ("solver=\"PGS\" noslip_iterations=\"2\"", ""),
@@ -136,7 +137,7 @@ fn worlds_of_several_trees_have_the_bits_of_one() {
         let data = Data::new(&model);
         let added = Group::new(&model, &stride, level, 1).add(&data, [0.0; 2]);
         assert_eq!(added.is_some(), Group::can_step(level), "{option}");
-        for len in [7, 9, 67] {
+        for len in [1, 7, 8, 9, 67] {
             compare(&text, len);
         }
     }

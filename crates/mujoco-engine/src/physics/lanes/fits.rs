@@ -4,7 +4,7 @@ use fearless_simd::Level;
 
 use super::{Derived, Stride, actuators, sensors};
 use crate::Model;
-use crate::model::{Equality, EqualityType, Integrator, JointType, Solver};
+use crate::model::{Cone, Equality, EqualityType, Integrator, JointType, Solver};
 
 /// Returns the number of worlds per vector register. Returns `None` if the CPU has no fused
 /// multiply-add or fewer than four numbers per register, or without the feature `lanes`.
@@ -75,4 +75,16 @@ pub(super) fn makes_rows(m: &Model) -> bool {
             .pairs
             .iter()
             .all(|pair| pair.dim <= 3 && pair.friction[0] == pair.friction[1])
+}
+
+/// Whether several worlds make their rows one by one, and solve together. As the rows of cones come
+/// last, the order of all rows is that of one world.
+pub(super) fn gathers(m: &Model) -> bool {
+    let mut dims = m.plan().pairs.iter().map(|pair| pair.dim);
+    let first = dims.next();
+    !makes_rows(m)
+        && m.opt.solver == Solver::Newton
+        && m.ntree() <= 64
+        && m.opt.noslip_iterations == 0
+        && (m.opt.cone == Cone::Pyramidal || dims.all(|dim| Some(dim) == first))
 }

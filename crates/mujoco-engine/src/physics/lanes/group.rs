@@ -33,8 +33,8 @@ pub struct Group {
     len: usize,
     /// Whether each world has stepped.
     stepped: Vec<bool>,
-    /// The number of constraint rows of each world in its last step.
-    rows: Vec<usize>,
+    /// The [key](Batch::likeness) of each world in its last step.
+    keys: Vec<(u64, usize)>,
     order: Vec<usize>,
 }
 
@@ -71,7 +71,7 @@ impl Group {
             records: vec![0.0; worlds * length],
             len: 0,
             stepped: vec![false; worlds],
-            rows: vec![0; worlds],
+            keys: vec![(0, 0); worlds],
             order: Vec::with_capacity(worlds),
         }
     }
@@ -142,14 +142,14 @@ impl Group {
         let (Some(batch), Some(width)) = (&mut self.batch, width(self.level)) else {
             return;
         };
-        let (length, rows) = (self.length, &mut self.rows);
+        let (length, keys) = (self.length, &mut self.keys);
         self.stepped[..self.len].fill(false);
-        // sort worlds by their number of rows: the solver's time depends on the largest number of
-        // rows in a register
+        // worlds with the same islands solve together, and the solver's time depends on the largest
+        // number of rows in a register
         self.order.clear();
         self.order.extend(0..self.len);
         self.order
-            .sort_unstable_by_key(|&world| (rows[world], world));
+            .sort_unstable_by_key(|&world| (keys[world], world));
         for order in self.order.chunks(WORLDS) {
             // if the remaining worlds fill less than half a register, stepping them one by one is
             // faster
@@ -167,7 +167,7 @@ impl Group {
                 let record = &mut self.records[world * length..][..length];
                 let reads = &self.stride.reads;
                 self.stepped[world] = batch.scatter(&self.model, lane, reads, record);
-                rows[world] = batch.rows(lane);
+                keys[world] = batch.likeness(lane);
             }
         }
     }

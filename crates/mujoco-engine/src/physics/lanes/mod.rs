@@ -11,7 +11,7 @@
 //! | `fits` | which models and CPUs step worlds together |
 //! | `stages`, `tree`, `actuators`, `sensors` | the smooth stages |
 //! | `rows` | rows of constraints |
-//! | `newton`, `gauss_seidel`, `alone` | constraint forces; `alone` solves world by world |
+//! | `newton`, `gauss_seidel`, `alone` | constraint forces; `alone` makes rows, or solves, world by world |
 //! | `arrays`, `per_world` | the memory, and the registers |
 
 mod actuators;
@@ -91,6 +91,8 @@ pub(crate) fn most_len(m: &Model) -> usize {
 #[derive(Clone, Debug)]
 enum Method {
     Newton(Box<Newton>),
+    /// Newton's method, with rows that are made world by world.
+    Gathered(Alone, Box<Newton>),
     GaussSeidel(GaussSeidel),
     /// World by world.
     Alone(Alone),
@@ -99,6 +101,7 @@ enum Method {
 impl Method {
     fn new(m: &Model) -> Self {
         match m.opt.solver {
+            _ if fits::gathers(m) => Self::Gathered(Alone::new(m), Box::new(Newton::new(m))),
             _ if !fits::makes_rows(m) => Self::Alone(Alone::new(m)),
             Solver::PGS => Self::GaussSeidel(GaussSeidel::new(m)),
             _ => Self::Newton(Box::new(Newton::new(m))),
@@ -108,7 +111,7 @@ impl Method {
     /// Returns the forces of the constraint rows.
     fn forces(&self) -> &[PerWorld] {
         match self {
-            Self::Newton(newton) => newton.forces(),
+            Self::Newton(newton) | Self::Gathered(_, newton) => newton.forces(),
             Self::GaussSeidel(gauss_seidel) => &gauss_seidel.force,
             Self::Alone(alone) => &alone.force,
         }
@@ -129,7 +132,7 @@ impl Batch {
         };
         Self {
             arrays: Arrays::new(m),
-            rows: Rows::new(m, keeps, !fits::makes_rows(m)),
+            rows: Rows::new(m, keeps),
             settles: stride.settles,
             sensors,
             reads_frames: sensors > 0 || stride.reads.iter().any(of_frames),
@@ -185,9 +188,13 @@ impl Batch {
         self.diverged >> world & 1 == 0
     }
 
-    /// Returns the number of constraint rows of world `world` in the last timestep.
-    pub(crate) fn rows(&self, world: usize) -> usize {
-        self.rows.count[world]
+    /// Returns a key of world `world` in the last timestep: worlds with near keys take equally long.
+    pub(crate) fn likeness(&self, world: usize) -> (u64, usize) {
+        let likeness = match &self.method {
+            Method::Gathered(alone, _) => alone.likeness(world),
+            _ => 0,
+        };
+        (likeness, self.rows.count[world])
     }
 
     /// Computes `cfrc_ext` of world `world` from its contacts.
@@ -349,9 +356,14 @@ impl Batch {
                 rows.reference(m, at, &arrays.qvel);
             },
         );
+        if let Method::Gathered(alone, _) = method {
+            alone.make(m, arrays, rows, at.1);
+        }
         match method {
             Method::Alone(alone) => alone.solve(m, at, arrays, rows),
-            Method::Newton(newton) if rows.used > 0 => newton.solve(m, at, arrays, rows, live),
+            Method::Newton(newton) | Method::Gathered(_, newton) if rows.used > 0 => {
+                newton.solve(m, at, arrays, rows, live);
+            }
             Method::GaussSeidel(gauss_seidel) if rows.used > 0 => {
                 gauss_seidel.solve(m, at, arrays, rows, live);
             }

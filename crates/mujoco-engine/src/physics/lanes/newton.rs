@@ -1,9 +1,9 @@
-//! Newton's method for several worlds at once: [`newton`](crate::physics::solver::newton), for
-//! models whose only constraints are limits and pyramidal contacts. Such rows only push.
+//! Newton's method for several worlds at once: [`newton`](crate::physics::solver::newton).
 //!
 //! All worlds iterate together. A world that has converged keeps its accelerations. Quantities
 //! derived from the accelerations are computed again, with the same result.
 
+mod costs;
 mod hessian;
 mod islands;
 mod search;
@@ -11,13 +11,15 @@ mod search;
 use fearless_simd::Simd;
 use gym_numerics::math::{Lanes, Real};
 
+use self::costs::forces;
 use self::islands::{Islands, Part};
 use super::rows::{Rows, worlds};
 use super::tree::{cholesky_solve, dot};
-use super::{Arrays, At, PerWorld, WORLDS, load, same, store};
-use crate::Model;
-use crate::model::Disable;
-use crate::physics::solver::line_search;
+use super::{Arrays, At, PerWorld, WORLDS, copy, load, same, store};
+use crate::model::{Cone as ConeType, Disable};
+use crate::physics::solver::cones::Cone;
+use crate::physics::solver::{line_search, row_costs};
+use crate::{Model, Revision};
 
 type Mask<S> = <Lanes<S> as Real>::Mask;
 
@@ -35,12 +37,19 @@ pub(super) struct Newton {
     jar: Vec<PerWorld>,
     jv: Vec<PerWorld>,
     force: Vec<PerWorld>,
-    /// 1 for each row that pushes (its residual `jar` is negative), 0 for the others.
+    /// 1 for each row whose cost is quadratic (of rows that only push: those whose residual `jar` is
+    /// negative), 0 for the others.
+    quadratic: Vec<PerWorld>,
+    /// The `quadratic` rows that are part of the Hessian.
     pushes: Vec<PerWorld>,
     /// For each row, the cost along the search direction: three coefficients of a polynomial in the
     /// step length, and the cost at step length 0.
     costs: Vec<[PerWorld; 4]>,
+    /// The cost of each cone along the search direction.
+    along: Vec<Cone<PerWorld>>,
     hessian: Vec<PerWorld>,
+    /// The factors with the second derivatives of cones.
+    with_cones: Vec<PerWorld>,
     /// The Hessians of worlds whose factors are computed again.
     again: Vec<PerWorld>,
     /// The Jacobians of the rows that push, times the stiffness of each row; `pushing` has the
@@ -50,6 +59,7 @@ pub(super) struct Newton {
     /// For each world, the rows that became active or inactive in this iteration.
     changed: [Vec<usize>; WORLDS],
     line: Vec<line_search::Row>,
+    course: row_costs::Course,
     /// `qfrc_smooth` of an island.
     smooth: Vec<PerWorld>,
     islands: Islands,
@@ -71,8 +81,10 @@ impl Newton {
             &mut self.jar,
             &mut self.jv,
             &mut self.force,
+            &mut self.quadratic,
             &mut self.pushes,
             &mut self.hessian,
+            &mut self.with_cones,
             &mut self.again,
             &mut self.pushed,
             &mut self.smooth,
@@ -158,6 +170,12 @@ impl Newton {
             line: Vec::with_capacity(rows),
             ..Self::default()
         };
+        if m.opt.cone == ConeType::Elliptic {
+            let cones = m.plan().bounds().contacts;
+            buffers.with_cones = vec![PerWorld::ZERO; nv * nv];
+            buffers.along.reserve(cones);
+            buffers.course.reserve(rows, cones);
+        }
         buffers.reserve(nv, rows);
         buffers
     }
@@ -168,6 +186,7 @@ impl Newton {
             &mut self.jar,
             &mut self.jv,
             &mut self.force,
+            &mut self.quadratic,
             &mut self.pushes,
         ] {
             numbers.resize(rows, PerWorld::ZERO);
@@ -237,24 +256,15 @@ impl Newton {
         self.islands
             .whole
             .multiply(m, at, &a.qm, &a.warm, &mut self.ma);
-        let (cost,) = (
-            #[inline(always)]
-            |jar: &[PerWorld]| {
-                let mut cost = zero;
-                for (jar, d) in jar[..rows.used].iter().zip(&rows.d) {
-                    let (jar, d): (Lanes<S>, Lanes<S>) = (load(at, jar), load(at, d));
-                    cost = cost + Lanes::select(jar.lt(zero), d * 0.5 * jar * jar, zero);
-                }
-                cost
-            },
-        );
-        let mut warm = cost(&self.jar);
+        let all = (rows, m.revision);
+        let (force, states) = (&mut self.force, &mut self.quadratic);
+        let mut warm = forces(at, all, &self.jar, force, states);
         for i in 0..n {
             let force = load::<S>(at, &self.ma[i]) - load(at, &a.qfrc_smooth[i]);
             let apart = load::<S>(at, &a.warm[i]) - load(at, &a.qacc_smooth[i]);
             warm = warm + force * 0.5 * apart;
         }
-        let mut cold = warm.gt(cost(&self.jv));
+        let mut cold = warm.gt(forces(at, all, &self.jv, force, states));
         if m.opt.disables(Disable::WarmStart) {
             cold = zero.le(zero);
         }
@@ -270,8 +280,6 @@ impl Newton {
         for (row, smooth) in self.jv[..rows.used].iter().enumerate() {
             let jar = Lanes::select(cold, load(at, smooth), load(at, &self.jar[row]));
             store(at, &mut self.jar[row], jar);
-            let pushes = Lanes::select(jar.lt(zero), zero.same(1.0), zero);
-            store(at, &mut self.pushes[row], pushes);
         }
     }
 
@@ -301,7 +309,11 @@ impl Newton {
                         }
                         store(at, &mut control.scale, inertia.same(1.0) / inertia);
                     }
-                    self.update(at, rows, part.n);
+                    self.update(at, (rows, m.revision), part.n);
+                    if control.iteration == 0 {
+                        let used = rows.used;
+                        copy(at, &self.quadratic[..used], &mut self.pushes[..used]);
+                    }
                     self.check(m, at, a, part, &mut control)
                 },
             );
@@ -326,9 +338,14 @@ impl Newton {
                     );
                 }
             }
+            let coned = !rows.cones.is_empty()
+                && simd.vectorize(
+                    #[inline(always)]
+                    || self.add_cones(at, (rows, m.revision), part.n, &control.active),
+                );
             let go_on = simd.vectorize(
                 #[inline(always)]
-                || self.direction(m, at, part.n, &mut control),
+                || self.direction(m, at, part.n, coned, &mut control),
             );
             if !go_on {
                 return;
@@ -351,14 +368,9 @@ impl Newton {
 
     /// Computes the forces of the rows, the resulting forces on the joints, and the gradient.
     #[inline(always)]
-    fn update<S: Simd>(&mut self, at: At<S>, rows: &Rows, n: usize) {
-        let zero = same::<S>(at, 0.0);
-        for row in 0..rows.used {
-            let jar = load(at, &self.jar[row]);
-            let force = -load::<S>(at, &rows.d[row]) * jar;
-            let force = Lanes::select(jar.lt(zero), force, zero);
-            store(at, &mut self.force[row], force);
-        }
+    fn update<S: Simd>(&mut self, at: At<S>, all: (&Rows, Revision), n: usize) {
+        let rows = all.0;
+        forces(at, all, &self.jar, &mut self.force, &mut self.quadratic);
         let mut first = 0;
         by_four!(n, first, K => {
             let terms = rows.jac.chunks_exact(n).zip(&self.force[..rows.used]);
@@ -421,11 +433,17 @@ impl Newton {
         m: &Model,
         at: At<S>,
         n: usize,
+        coned: bool,
         control: &mut Control,
     ) -> bool {
         self.mgrad[..n].copy_from_slice(&self.grad[..n]);
         let descending = m.revision.substitutes_by_columns();
-        cholesky_solve(at, n, &self.hessian, &mut self.mgrad, descending);
+        let factor = if coned {
+            &self.with_cones
+        } else {
+            &self.hessian
+        };
+        cholesky_solve(at, n, factor, &mut self.mgrad, descending);
         if control.iteration == m.opt.iterations {
             return false;
         }

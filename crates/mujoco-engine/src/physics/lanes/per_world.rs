@@ -79,6 +79,16 @@ impl<S: Simd> Number for Lanes<S> {
     }
 
     #[inline(always)]
+    fn is_less(self, other: Self) -> Self::Mask {
+        self.lt(other)
+    }
+
+    #[inline(always)]
+    fn is_at_most(self, other: Self) -> Self::Mask {
+        self.le(other)
+    }
+
+    #[inline(always)]
     fn is_off(self, from: f64, by: f64) -> Self::Mask {
         Real::abs(self - from).gt(self.same(by))
     }
@@ -86,6 +96,11 @@ impl<S: Simd> Number for Lanes<S> {
     #[inline(always)]
     fn is_zero(self) -> Self::Mask {
         Real::abs(self).le(self.same(0.0))
+    }
+
+    #[inline(always)]
+    fn all(mask: Self::Mask) -> bool {
+        <Self as Real>::all(mask)
     }
 
     #[inline(always)]

@@ -4,18 +4,21 @@
 //! Limits, bounding spheres and contacts with planes are computed for all worlds at once. Other
 //! contacts are rare, and are computed world by world.
 
+use std::ops::Range;
+
 use fearless_simd::Simd;
 use gym_numerics::math::{Lanes, Real};
 
 use super::tree::dot;
-use super::{Arrays, At, PerWorld, WORLDS, load, same, store};
+use super::{Arrays, At, PerWorld, WORLDS, fits, load, same, store};
 use crate::math::number;
 use crate::math::spatial::{add, column, dot as dot3, scale};
-use crate::model::{GeomType, Pair, Softness};
+use crate::model::{Cone, GeomType, Pair, Softness};
 use crate::physics::collision::{
     Places, Polytope, ROUNDING, above_plane, contact_at, frame, from_segments, touch,
 };
 use crate::physics::rows::{contact_jacobian, pyramid, regularization};
+use crate::physics::solver::cones::Shape;
 use crate::{Contact, Model};
 
 /// Degrees of freedom, each with its column of the Jacobian of a constraint.
@@ -31,6 +34,8 @@ pub(super) struct Rows {
     /// The regularisation of each row: `1 / d`.
     pub(super) r: Vec<PerWorld>,
     pub(super) aref: Vec<PerWorld>,
+    /// The friction losses: 0 for rows that are not of dry friction.
+    pub(super) loss: Vec<PerWorld>,
     /// The reference acceleration is `-damping * velocity - rest`.
     damping: Vec<PerWorld>,
     rest: Vec<PerWorld>,
@@ -40,6 +45,11 @@ pub(super) struct Rows {
     pub(super) count: [usize; WORLDS],
     /// The largest element of `count`.
     pub(super) used: usize,
+    /// The ends of the rows of equalities and of dry friction, which precede all others.
+    pub(super) pulls: [usize; 2],
+    /// The elliptic cones, whose rows are the last: `dim` for each cone.
+    pub(super) cones: Vec<Shape<PerWorld>>,
+    pub(super) dim: usize,
     /// The active contacts of each world. Contacts with planes are listed only if `keeps` or `lists`
     /// is true.
     pub(super) contacts: [Vec<Contact>; WORLDS],
@@ -86,7 +96,8 @@ fn apart<S: Simd>(m: &Model, at: At<S>, a: &Arrays, pair: &Pair, between: [Lanes
 
 impl Rows {
     /// Allocates the rows. `keeps` is true if the environment reads contact forces after a step.
-    pub(super) fn new(m: &Model, keeps: bool, lists: bool) -> Self {
+    pub(super) fn new(m: &Model, keeps: bool) -> Self {
+        let (lists, gathers) = (!fits::makes_rows(m), fits::gathers(m));
         let (bounds, nv) = (m.plan().bounds(), m.nv());
         let mut buffers = Self {
             contacts: std::array::from_fn(|_| Vec::with_capacity(bounds.contacts)),
@@ -96,8 +107,11 @@ impl Rows {
             polytope: Polytope::new(m.plan().deep),
             ..Self::default()
         };
-        if !lists {
+        if !lists || gathers {
             buffers.reserve(nv, bounds.rows_of_worlds());
+        }
+        if m.opt.cone == Cone::Elliptic {
+            buffers.cones.reserve(bounds.contacts);
         }
         buffers
     }
@@ -122,11 +136,12 @@ impl Rows {
         self.polytope.poison();
     }
 
-    fn columns(&mut self) -> [&mut Vec<PerWorld>; 5] {
+    fn columns(&mut self) -> [&mut Vec<PerWorld>; 6] {
         [
             &mut self.d,
             &mut self.r,
             &mut self.aref,
+            &mut self.loss,
             &mut self.damping,
             &mut self.rest,
         ]
@@ -255,18 +270,38 @@ impl Rows {
         let row = self.count[world];
         self.count[world] += 1;
         if row == self.used {
-            if row == self.d.len() {
-                self.reserve(nv, 2 * row + 32);
-            }
-            self.jac[row * nv..(row + 1) * nv].fill(PerWorld::ZERO);
-            self.trees[row] = [0; WORLDS];
-            for column in self.columns() {
-                column[row] = PerWorld::ZERO;
-            }
-            self.used += 1;
+            self.open_all(nv);
         }
         self.trees[row][world] = trees;
         row
+    }
+
+    /// Adds a row of zeros to all worlds. Returns its index.
+    #[inline(always)]
+    pub(super) fn open_all(&mut self, nv: usize) -> usize {
+        let row = self.used;
+        if row == self.d.len() {
+            self.reserve(nv, 2 * row + 32);
+        }
+        self.jac[row * nv..(row + 1) * nv].fill(PerWorld::ZERO);
+        self.trees[row] = [0; WORLDS];
+        for column in self.columns() {
+            column[row] = PerWorld::ZERO;
+        }
+        self.used += 1;
+        row
+    }
+
+    /// The rows that push, other than those of cones.
+    #[inline(always)]
+    pub(super) fn one_sided(&self) -> Range<usize> {
+        self.pulls[1]..self.used - self.cones.len() * self.dim
+    }
+
+    /// The first row of a cone.
+    #[inline(always)]
+    pub(super) fn cone(&self, cone: usize) -> usize {
+        self.used - (self.cones.len() - cone) * self.dim
     }
 
     /// Adds the rows of a contact to a world, and returns the index of the first row.

@@ -38,6 +38,10 @@ impl Batch {
         match &mut self.method {
             Method::Newton(newton) => newton.poison(),
             Method::GaussSeidel(gauss_seidel) => gauss_seidel.poison(),
+            Method::Gathered(alone, newton) => {
+                alone.poison();
+                newton.poison();
+            }
             Method::Alone(alone) => alone.poison(),
         }
         crate::physics::work::Poison::poison(&mut self.cfrc_ext);
@@ -243,10 +247,30 @@ const CONSTRAINED: &str = r#"<mujoco><worldbody>
 const STRING: &str =
     r#"<spatial limited="true" range="0 .35"><site site="s"/><site site="a"/></spatial>"#;
 
-/// Compares worlds of [`CONSTRAINED`] in two revisions, with a tendon between sites and without.
-fn constrained(option: &str, change: impl Fn(String) -> String, makes_rows: bool) -> usize {
-    let mut stepped = 0;
-    for (revision, string) in Revision::ALL.into_iter().zip([STRING, "", ""]).step_by(2) {
+/// How worlds of a model make their rows, and solve.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Way {
+    Together,
+    SolveTogether,
+    Alone,
+}
+
+impl Way {
+    fn of(m: &Model) -> Self {
+        match (fits::makes_rows(m), fits::gathers(m)) {
+            (true, _) => Self::Together,
+            (_, true) => Self::SolveTogether,
+            _ => Self::Alone,
+        }
+    }
+}
+
+/// Compares worlds of [`CONSTRAINED`] in two revisions, or in all if they solve together, with a
+/// tendon between sites and without.
+fn constrained(option: &str, change: impl Fn(String) -> String, way: Way) -> usize {
+    let (mut stepped, skip) = (0, if way == Way::SolveTogether { 1 } else { 2 });
+    let strings = [STRING, "", "", STRING];
+    for (revision, string) in Revision::ALL.into_iter().zip(strings).step_by(skip) {
         let mut stride = stride();
         if !string.is_empty() {
             stride.reads.retain(|array| *array != Derived::CfrcExt);
@@ -254,11 +278,11 @@ fn constrained(option: &str, change: impl Fn(String) -> String, makes_rows: bool
         let text = change(CONSTRAINED.replace("{string}", string));
         let text = text.replace("<mujoco>", &format!("<mujoco><option {option}/>"));
         let m = Model::from_xml_with(&text, revision).unwrap();
-        assert!(
-            fits(&m, &stride) && fits::makes_rows(&m) == makes_rows,
-            "{option}"
-        );
+        assert!(fits(&m, &stride) && Way::of(&m) == way, "{option}");
         stepped += compare(&format!("{revision} {option}"), &m, &stride, &[WORLDS - 1]);
+        if way == Way::SolveTogether {
+            stepped += compare(&format!("{revision} {option}"), &m, &stride, &[1, WORLDS]);
+        }
     }
     stepped
 }
@@ -271,8 +295,38 @@ fn worlds_that_solve_alone_have_the_bits_of_one_world() {
         r#"solver="CG""#,
         r#"solver="PGS" cone="elliptic""#,
     ];
-    let stepped = options.map(|option| constrained(option, |text| text, false));
+    let stepped = options.map(|option| constrained(option, |text| text, Way::Alone));
     assert!(stepped.iter().sum::<usize>() > 0 || width(Level::new()).is_none());
+}
+
+#[test]
+fn worlds_that_make_rows_alone_have_the_bits_of_one_world() {
+    let dim = |dim: &'static str| {
+        move |text: String| {
+            let parts = text.split(" condim=\"");
+            let text: String = parts
+                .map(|part| {
+                    part.strip_prefix(['1', '4', '6'])
+                        .map_or(part, |rest| &rest[1..])
+                })
+                .collect();
+            text.replace("<geom ", &format!("<geom condim=\"{dim}\" "))
+        }
+    };
+    let way = Way::SolveTogether;
+    let mut stepped = constrained("", |text| text, way);
+    stepped += constrained(r#"impratio="3" integrator="RK4""#, dim("4"), way);
+    for option in [
+        r#"cone="elliptic""#,
+        r#"cone="elliptic" impratio="3" integrator="RK4""#,
+        r#"cone="elliptic"><flag island="disable" warmstart="disable"/></option><size memory="1M""#,
+    ] {
+        stepped += constrained(option, dim("3"), way);
+    }
+    for other in ["1", "4", "6"] {
+        stepped += constrained(r#"cone="elliptic""#, dim(other), way);
+    }
+    assert!(stepped > 0 || width(Level::new()).is_none());
 }
 
 #[test]
@@ -286,9 +340,9 @@ fn islands_have_the_bits_of_one_world() {
             .replace(r#"condim="6""#, "")
     };
     let options = ["", r#"integrator="RK4""#].map(|option| {
-        let together = constrained(option, plain, true);
+        let together = constrained(option, plain, Way::Together);
         let option = format!("{option}><flag island=\"disable\"/></option><size memory=\"1M\"");
-        together + constrained(&option, plain, true)
+        together + constrained(&option, plain, Way::Together)
     });
     assert!(options.iter().sum::<usize>() > 0 || width(Level::new()).is_none());
 }

@@ -4,7 +4,7 @@ use super::{push_row, push_rows};
 use crate::math::number::Number;
 use crate::math::spatial::{Vec3, add, cross, dot, rotate, rotation, sub};
 use crate::model::{Cone, Pair};
-use crate::physics::constraint::{Constraints, Kind, Source, push_block, set_row};
+use crate::physics::constraint::{Constraints, Kind, Source, push_block};
 use crate::{Contact, Data, Model};
 
 /// Adds the rows of active contacts: MuJoCo's `mj_instantiateContact`.
@@ -90,6 +90,8 @@ fn elliptic_or_spinning(
     let kind = if elliptic { Kind::Cone } else { Kind::OneSided };
     let source = Source::Contact(index);
     let row = push_block(efc, source, kind, rows, pair.groups, tree);
+    let width = 4 * efc.stride();
+    let jac = efc.jacobian_mut()[row * width / 4..].as_flattened_mut();
     for column in &pair.columns {
         let c = &cdof[column.dof];
         let offset = sub(contact.pos, com[column.root]);
@@ -108,16 +110,15 @@ fn elliptic_or_spinning(
         };
         let all: [f64; 6] =
             std::array::from_fn(|k| column.sign * if k < 3 { along[k] } else { about[k - 3] });
+        let places = jac[column.dof..].iter_mut().step_by(width);
         if elliptic || dim == 1 {
-            for (k, value) in all[..dim].iter().enumerate() {
-                set_row(efc, row + k, column.dof, *value);
+            for (x, value) in places.zip(&all[..dim]) {
+                *x = *value;
             }
         } else {
-            for k in 1..dim {
-                let slide = all[k] * contact.friction[k - 1];
-                let edge = row + 2 * (k - 1);
-                set_row(efc, edge, column.dof, all[0] + slide);
-                set_row(efc, edge + 1, column.dof, all[0] - slide);
+            for (k, x) in places.enumerate() {
+                let slide = all[k / 2 + 1] * contact.friction[k / 2];
+                *x = all[0] + if k % 2 == 0 { slide } else { -slide };
             }
         }
     }
@@ -133,27 +134,23 @@ fn elliptic_or_spinning(
     } else {
         tran + friction[0] * friction[0] * tran
     };
-    push_rows(efc, &pair.softness, (dist, dist), margin, first, 1);
+    push_rows(efc, &pair.softness, (dist, dist), margin, first, pair.rows);
     let normal = efc.r[row];
     let slide = normal / f64::max(1e-15, m.opt.impratio);
     contact.mu = friction[0] * (slide / normal).sqrt();
-    for k in 1..pair.rows {
-        if elliptic {
-            push_rows(efc, &pair.softness, (0.0, dist), margin, tran, 1);
-            efc.margin[row + k] = 0.0;
+    if elliptic {
+        for k in 1..pair.rows {
             let r = if k == 1 {
                 slide
             } else {
                 slide * friction[0] * friction[0] / (friction[k - 1] * friction[k - 1])
             };
             (efc.r[row + k], efc.d[row + k]) = (r, 1.0 / r);
+            (efc.pos[row + k], efc.margin[row + k]) = (0.0, 0.0);
             efc.kbip[row + k][0] = 0.0;
             efc.kbip[row + k][1] = pair.friction_damping;
-        } else {
-            push_rows(efc, &pair.softness, (dist, dist), margin, first, 1);
         }
-    }
-    if !elliptic {
+    } else {
         let r = 2.0 * contact.mu * contact.mu * normal;
         efc.r[row..].fill(r);
         efc.d[row..].fill(1.0 / r);

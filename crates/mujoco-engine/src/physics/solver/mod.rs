@@ -4,12 +4,13 @@
 //! |---|---|
 //! | `newton`, `conjugate` | MuJoCo's solvers Newton and CG, on accelerations; `line_search`, `cholesky`, `sparse` and `buffers` are theirs |
 //! | `pgs` | the solver PGS, on forces; `dual` for rows other than limits and pyramidal contacts, `sweep` and `orders` of the rows |
-//! | `row_costs` | costs and forces of rows, among them those of elliptic friction cones, for Newton and CG |
+//! | `row_costs`, `cones` | costs and forces of rows, among them those of elliptic friction cones, for Newton and CG |
 //! | `qcqp` | the friction in an elliptic cone, for PGS and `noslip` |
 //! | `noslip` | the iterations that suppress slip |
 
 pub(crate) mod buffers;
 mod cholesky;
+pub(super) mod cones;
 mod conjugate;
 mod dual;
 pub(super) mod line_search;
@@ -18,7 +19,7 @@ mod noslip;
 pub(super) mod orders;
 pub(crate) mod pgs;
 mod qcqp;
-mod row_costs;
+pub(super) mod row_costs;
 mod sparse;
 pub(super) mod sweep;
 

@@ -7,6 +7,7 @@
 use std::ops::Range;
 
 use super::buffers::{Buffers, Gathered};
+use super::cones::{Matrix, factor};
 use super::line_search::{Along, Row, line_search};
 use super::row_costs::{ConeHessian, RowCosts, State};
 use super::sparse::Sparse;
@@ -520,24 +521,12 @@ fn add_cones(problem: &Problem<'_>, b: &mut Buffers) {
     cholesky::update(&mut b.with_cones, n, stride, &mut b.updates, &b.adds);
 }
 
-/// Returns the factor `L` of a cone's second derivatives `L L'`: MuJoCo's `mju_cholFactor`.
-fn local_factor(cone: &ConeHessian) -> [[f64; 6]; 6] {
+/// Returns the factor of a cone's second derivatives.
+fn local_factor(cone: &ConeHessian) -> Matrix<f64> {
     let mut l = cone.matrix;
-    for j in 0..cone.dim {
-        let own = dense::dot_slices(&l[j][..j], &l[j][..j]);
-        let pivot = l[j][j] - own;
-        let diagonal = if pivot < MINVAL { MINVAL } else { pivot }.sqrt();
-        let small = pivot < MINVAL;
-        l[j][j] = diagonal;
-        let inverse = 1.0 / diagonal;
-        for i in j + 1..cone.dim {
-            let product = dense::dot_slices(&l[i][..j], &l[j][..j]);
-            l[i][j] = if small {
-                0.0
-            } else {
-                (l[i][j] - product) * inverse
-            };
-        }
+    match cone.dim {
+        3 => factor((), 3, &mut l),
+        dim => factor((), dim, &mut l),
     }
     l
 }

@@ -94,7 +94,7 @@ impl Newton {
         }
         let mut most = 0;
         for row in 0..rows.used {
-            let pushes = load::<S>(at, &self.jar[row]).lt(zero);
+            let pushes = load::<S>(at, &self.quadratic[row]).gt(zero);
             let before = load::<S>(at, &self.pushes[row]).gt(zero);
             let changed = Lanes::<S>::but_not(pushes, before) | Lanes::<S>::but_not(before, pushes);
             let changed = Lanes::<S>::bits(changed & active);

@@ -1,8 +1,7 @@
 //! The islands of several worlds. Worlds with the same island, a set of trees, solve it together.
 //!
 //! An island has vectors of its own degrees of freedom, because an element's position in a vector
-//! affects the order of a sum. Rows of other islands are left out, or zero in worlds where they
-//! belong to another island.
+//! affects the order of a sum.
 
 use std::ops::Range;
 
@@ -13,7 +12,8 @@ use super::{Mask, Newton};
 use crate::Model;
 use crate::model::Disable;
 use crate::physics::lanes::rows::{Rows, worlds};
-use crate::physics::lanes::{Arrays, At, PerWorld, copy, load, same, store, tree};
+use crate::physics::lanes::{Arrays, At, PerWorld, WORLDS, copy, load, same, store, tree};
+use crate::physics::solver::cones::Shape;
 
 /// The trees of an island: the degrees of freedom of each in the model, and where they start in the
 /// island's vectors.
@@ -89,8 +89,8 @@ pub(super) struct Islands {
     /// The islands of one world.
     own: Vec<u64>,
     rows: Rows,
-    /// The index of each row among all rows.
-    index: Vec<usize>,
+    /// The index of each row among all rows, in each world; `usize::MAX` for none.
+    index: Vec<[usize; WORLDS]>,
     /// The accelerations at which all islands start.
     start: Vec<PerWorld>,
     /// The forces of the rows of all islands.
@@ -112,6 +112,7 @@ impl Islands {
             islands.start.resize(m.nv(), PerWorld::ZERO);
             islands.force.resize(rows, PerWorld::ZERO);
             islands.rows.reserve(m.nv(), rows);
+            islands.rows.cones.reserve(m.plan().bounds().contacts);
         }
         islands
     }
@@ -163,39 +164,60 @@ impl Islands {
         }
     }
 
-    /// Copies the rows of the island of the trees `trees` in the worlds of `members`.
-    #[inline(always)]
-    fn gather<S: Simd>(&mut self, at: At<S>, rows: &Rows, nv: usize, trees: u64, members: u64) {
-        let (n, zero) = (self.part.n, same::<S>(at, 0.0));
+    /// Copies the rows of the island of the trees `trees` in the worlds of `members`. In each world,
+    /// the island's rows of one kind follow one another.
+    fn gather(&mut self, rows: &Rows, nv: usize, (trees, members): (u64, u64), first: usize) {
+        let (n, own) = (self.part.n, &mut self.rows);
         self.index.clear();
-        for row in 0..rows.used {
-            let mut own = PerWorld::ZERO;
-            for world in worlds(members, at.1) {
-                own.0[world] = f64::from(u8::from(rows.trees[row][world] & trees != 0));
+        own.used = 0;
+        own.cones.clear();
+        own.dim = rows.dim;
+        let (cones, mut start) = (rows.one_sided().end, 0);
+        let ends = [rows.pulls[0], rows.pulls[1], cones, rows.used];
+        for (kind, end) in ends.into_iter().enumerate() {
+            let begin = own.used;
+            let mut next = [begin; WORLDS];
+            for row in start..end {
+                for world in worlds(members, first) {
+                    if rows.trees[row][world] & trees == 0 {
+                        continue;
+                    }
+                    let to = next[world];
+                    next[world] += 1;
+                    let is_cone = kind == 3 && (row - cones).is_multiple_of(rows.dim);
+                    if to == own.used {
+                        own.open_all(n);
+                        self.index.push([usize::MAX; WORLDS]);
+                        if is_cone {
+                            own.cones.push(Shape::default());
+                        }
+                    }
+                    self.index[to][world] = row;
+                    let jac = &mut own.jac[to * n..(to + 1) * n];
+                    for (dof, place) in self.part.dofs() {
+                        jac[place].0[world] = rows.jac[row * nv + dof].0[world];
+                    }
+                    for (to, from) in [
+                        (&mut own.d[to], &rows.d[row]),
+                        (&mut own.r[to], &rows.r[row]),
+                        (&mut own.loss[to], &rows.loss[row]),
+                        (&mut own.aref[to], &rows.aref[row]),
+                    ] {
+                        to.0[world] = from.0[world];
+                    }
+                    if is_cone {
+                        let shape = &rows.cones[(row - cones) / rows.dim];
+                        own.cones[(to - begin) / rows.dim]
+                            .each(shape, |to, from| to.0[world] = from.0[world]);
+                    }
+                }
             }
-            let own: Mask<S> = load::<S>(at, &own).gt(zero);
-            if !Lanes::<S>::any(own) {
-                continue;
+            if let Some(end) = own.pulls.get_mut(kind) {
+                *end = own.used;
             }
-            let to = self.index.len();
-            self.index.push(row);
-            for (dof, place) in self.part.dofs() {
-                let x = load(at, &rows.jac[row * nv + dof]);
-                store(
-                    at,
-                    &mut self.rows.jac[to * n + place],
-                    Lanes::select(own, x, zero),
-                );
-            }
-            for (to, from) in [
-                (&mut self.rows.d[to], &rows.d[row]),
-                (&mut self.rows.aref[to], &rows.aref[row]),
-            ] {
-                store(at, to, Lanes::select(own, load(at, from), zero));
-            }
+            start = end;
         }
-        self.rows.used = self.index.len();
-        self.rows.count.fill(self.rows.used);
+        own.count.fill(own.used);
     }
 }
 
@@ -229,10 +251,10 @@ impl Newton {
         for k in 0..islands.list.len() {
             let (trees, members) = islands.list[k];
             islands.part.set(m, trees);
+            islands.gather(rows, nv, (trees, members), at.1);
             simd.vectorize(
                 #[inline(always)]
                 || {
-                    islands.gather(at, rows, nv, trees, members);
                     self.begin(m, at, a, &islands);
                 },
             );
@@ -258,15 +280,6 @@ impl Newton {
         part.multiply(m, at, &a.qm, &self.acc, &mut self.ma);
         let acc = &self.acc[..part.n];
         rows.multiply(part.n, at, acc, Some(&rows.aref), &mut self.jar);
-        let zero = same::<S>(at, 0.0);
-        for (pushes, jar) in self.pushes[..rows.used].iter_mut().zip(&self.jar) {
-            let jar: Lanes<S> = load(at, jar);
-            store(
-                at,
-                pushes,
-                Lanes::select(jar.lt(zero), zero.same(1.0), zero),
-            );
-        }
     }
 
     /// Stores the results of an island.
@@ -284,11 +297,12 @@ impl Newton {
             put(&self.acc[place], &mut a.qacc[dof]);
             put(&self.constraint[place], &mut a.qfrc_constraint[dof]);
         }
-        // a row's force is zero in worlds where it belongs to another island
-        for (&row, force) in islands.index.iter().zip(&self.force) {
-            let to = &mut islands.force[row];
-            let sum = load::<S>(at, to) + Lanes::select(has, load(at, force), same(at, 0.0));
-            store(at, to, sum);
+        for (index, force) in islands.index.iter().zip(&self.force) {
+            for (world, &row) in index.iter().enumerate() {
+                if let Some(to) = islands.force.get_mut(row) {
+                    to.0[world] = force.0[world];
+                }
+            }
         }
     }
 }

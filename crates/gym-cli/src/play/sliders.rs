@@ -314,10 +314,11 @@ mod tests {
             };
         let mut click = |stage: &mut Stage<'_>, at: Pointer| drop(pass(stage, at, &[], 0));
         // what keys do, buttons do too
+        stage.reset().unwrap();
         press(&mut stage, &mut click, "Run");
         assert!(!stage.is_paused);
         press(&mut stage, &mut click, "Step");
-        assert_eq!((stage.session.steps, stage.is_paused), (6, true));
+        assert_eq!((stage.session.steps, stage.is_paused), (1, true));
         stage.sliders[0].value = 0.5;
         press(&mut stage, &mut click, "all to zero");
         assert_eq!(stage.sliders[0].value, 0.0);
@@ -326,7 +327,7 @@ mod tests {
         assert!(stage.is_paused);
         let at = place(&stage, "Reset", 0.5);
         pass(&mut stage, at, &[], 0);
-        assert_eq!((stage.session.steps, stage.session.episode), (0, 2));
+        assert_eq!((stage.session.steps, stage.session.episode), (0, 3));
         // the camera turns and comes nearer
         let drag = |x: f64| Pointer {
             at: [x, 100.0],

@@ -9,8 +9,6 @@ mod light;
 mod look;
 mod marks;
 mod meshes;
-#[cfg(test)]
-mod pictures;
 mod shapes;
 mod solids;
 mod surface;

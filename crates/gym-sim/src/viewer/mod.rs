@@ -413,4 +413,6 @@ pub fn name(model: &CompiledModel, kind: ObjectType, id: usize) -> String {
 }
 
 #[cfg(test)]
+mod pictures;
+#[cfg(test)]
 mod tests;

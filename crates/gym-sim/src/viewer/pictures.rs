@@ -10,8 +10,8 @@ use gym_render::DrawLog;
 use gym_testing::Digest;
 use mujoco_engine::Model;
 
-use super::{CameraConfig, View};
-use crate::viewer::Viewer;
+use super::Viewer;
+use crate::view::{CameraConfig, View};
 
 const SIZE: (u32, u32) = (160, 120);
 
@@ -164,7 +164,7 @@ fn pictures_are_as_kept() {
         }
     }
     if std::env::var_os("GYM_UPDATE_DRAWINGS").is_some() {
-        let path = concat!(env!("CARGO_MANIFEST_DIR"), "/src/view/pictures.txt");
+        let path = concat!(env!("CARGO_MANIFEST_DIR"), "/src/viewer/pictures.txt");
         std::fs::write(path, &found).unwrap();
     }
     let kept = include_str!("pictures.txt");

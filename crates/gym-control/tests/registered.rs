@@ -147,6 +147,18 @@ fn bad_arguments_are_refused() {
             json!([0.0]),
             "1 numbers: the model has 2",
         ),
+        (
+            "cartpole-balance",
+            "qpos",
+            json!([0.0, 0.0, 0.0]),
+            "3 numbers: the model has 2",
+        ),
+        (
+            "cartpole-balance",
+            "qvel",
+            json!([0.0, 0.0, 0.0]),
+            "3 numbers: the model has 2",
+        ),
         ("cartpole-balance", "qvel", json!([0.0, 1e11]), "not within"),
         (
             "cartpole-balance",

@@ -236,6 +236,37 @@ fn refused<E: Env>(env: &mut E, snapshot: &Snapshot, words: &str) {
     assert_eq!(env.snapshot().unwrap(), before, "{}", env.describe());
 }
 
+#[test]
+fn returns_of_another_number_of_environments_are_refused() {
+    let json = |snapshot: Result<Snapshot>| json!(snapshot.unwrap());
+    let vector = |n| {
+        let envs = SyncVectorEnv::new((0..n).map(|_| Squares::new(9))).unwrap();
+        let mut envs = NormalizeReward::new(envs, 0.9).unwrap();
+        envs.reset(0).unwrap();
+        envs
+    };
+    let (mut one, mut two) = (
+        NormalizeReward::new(Squares::new(9), 0.9).unwrap(),
+        vector(2),
+    );
+    one.reset(0).unwrap();
+    let returns = [1, 2, 3].map(|n| json(vector(n).snapshot())[1][2].clone());
+    for wrong in &returns[1..] {
+        let mut snapshot = json(one.snapshot());
+        snapshot[1][2] = wrong.clone();
+        refused(&mut one, &serde_json::from_value(snapshot).unwrap(), "");
+    }
+    for wrong in [&returns[0], &returns[2]] {
+        let (before, mut snapshot) = (two.snapshot().unwrap(), json(two.snapshot()));
+        snapshot[1][2] = wrong.clone();
+        assert!(
+            two.restore(&serde_json::from_value(snapshot).unwrap())
+                .is_err()
+        );
+        assert_eq!(two.snapshot().unwrap(), before);
+    }
+}
+
 /// A wrapper refuses snapshots of larger and of smaller wrappers.
 #[test]
 fn snapshots_of_another_size_are_refused() {

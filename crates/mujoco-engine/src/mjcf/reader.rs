@@ -262,7 +262,7 @@ impl<'a, 'input> Reader<'a, 'input> {
             *value = element.positive(name)?.or(*value);
         }
         statistic.center = element.numbers("center")?.or(statistic.center);
-        Ok(())
+        element.finish()
     }
 
     /// Stores materials, textures, meshes and height fields, and ignores other assets.

@@ -118,3 +118,73 @@ fn attributes_change_the_fields_that_they_change_in_libmujoco() {
         wrong.join("\n")
     );
 }
+
+/// The attributes of a text, with their values.
+fn attributes(text: &str) -> Vec<(&str, &str)> {
+    let parts: Vec<_> = text.split('\'').collect();
+    let pairs = parts.chunks_exact(2);
+    pairs
+        .map(|pair| (pair[0].trim().trim_end_matches('='), pair[1]))
+        .collect()
+}
+
+#[test]
+fn each_word_that_should_be_a_number_is_refused_if_it_is_none() {
+    let recorded: Value = serde_json::from_str(include_str!("../recorded/fields.json")).unwrap();
+    let base = recorded["base"].as_str().unwrap();
+    let (mut refused, mut accepted) = (0, Vec::new());
+    for row in recorded["rows"].as_array().unwrap() {
+        let [place, text] = [&row[0], &row[1]].map(|part| part.as_str().unwrap());
+        for (name, value) in attributes(text) {
+            let words: Vec<_> = value.split_whitespace().collect();
+            if words.is_empty() || words.iter().any(|word| word.parse::<f64>().is_err()) {
+                continue;
+            }
+            for k in 0..words.len() {
+                let mut wrong = words.clone();
+                wrong[k] = "1o";
+                let [from, to] = [value, &wrong.join(" ")].map(|x| format!("{name}='{x}'"));
+                let text = model(base, place, &text.replacen(&from, &to, 1));
+                let Err(error) = Model::from_xml(&text) else {
+                    accepted.push(format!("{place} {name}"));
+                    continue;
+                };
+                let (error, named) = (error.to_string(), format!("attribute \"{name}\""));
+                assert!(
+                    error.contains(&named) && error.contains("1o"),
+                    "{to}: {error}"
+                );
+                refused += 1;
+            }
+        }
+    }
+    assert!(refused > 400, "{refused}");
+    // all tendons are drawn alike: what they look like in MuJoCo is not read
+    accepted.dedup();
+    assert_eq!(accepted, ["spatial width", "spatial rgba"]);
+}
+
+#[test]
+fn each_element_refuses_an_attribute_that_it_does_not_have() {
+    let recorded: Value = serde_json::from_str(include_str!("../recorded/fields.json")).unwrap();
+    let plain = model(recorded["base"].as_str().unwrap(), "", "");
+    let plain = plain.replacen("<statistic", "<default/><statistic", 1);
+    let (mut refused, mut accepted) = (0, Vec::new());
+    for (at, _) in plain.match_indices('<') {
+        let rest = &plain[at + 1..];
+        let element = rest.split(|c: char| !c.is_alphanumeric()).next().unwrap();
+        if element.is_empty() {
+            continue; // the end of one
+        }
+        let (before, after) = plain.split_at(at + 1 + element.len());
+        let Err(error) = Model::from_xml(&format!("{before} nosuch='1'{after}")) else {
+            accepted.push(element);
+            continue;
+        };
+        let named = format!("<{element}> attribute \"nosuch\"");
+        assert!(error.to_string().contains(&named), "{error}");
+        refused += 1;
+    }
+    assert!(refused > 60, "{refused}");
+    assert_eq!(accepted, [""; 0]);
+}

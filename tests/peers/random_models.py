@@ -304,24 +304,33 @@ class Writer:
         )
 
 
+def steps(model, data, seed, number):
+    """Takes steps under random controls within their ranges, and yields the number of each after it."""
+    rng, (low, high) = np.random.RandomState(seed), model.actuator_ctrlrange.T
+    limited = model.actuator_ctrllimited.astype(bool)
+    for step in range(1, number + 1):
+        control = rng.uniform(-1, 1, model.nu)
+        data.ctrl[:] = np.where(limited, low + (control + 1) / 2 * (high - low), control)
+        mujoco.mj_step(model, data)
+        yield step
+
+
+def is_calm(data):
+    """Whether the motion does not diverge: that would amplify differences in the last bit."""
+    return not any(warning.number for warning in data.warning) and np.abs(data.qvel).max(initial=0) < 1e4
+
+
 def episode(text, seed):
     """The states after certain steps by libmujoco; None if it refuses the model, or if the motion diverges."""
     try:
         model = mujoco.MjModel.from_xml_string(text)
-        data, rng, states = mujoco.MjData(model), np.random.RandomState(seed), {}
-        low, high = model.actuator_ctrlrange.T
-        limited = model.actuator_ctrllimited.astype(bool)
-        for step in range(1, MARKS[-1] + 1):
-            control = rng.uniform(-1, 1, model.nu)
-            data.ctrl[:] = np.where(limited, low + (control + 1) / 2 * (high - low), control)
-            mujoco.mj_step(model, data)
+        data, states = mujoco.MjData(model), {}
+        for step in steps(model, data, seed, MARKS[-1]):
             if step in MARKS:
                 states[str(step)] = {name: getattr(data, name).tolist() for name in ("qpos", "qvel", "act", "sensordata")}
     except (ValueError, mujoco.FatalError):
         return None
-    # a diverging motion amplifies differences in the last bit
-    calm = not data.warning.number.any() and np.abs(data.qvel).max(initial=0) < 1e4
-    return states if calm else None
+    return states if is_calm(data) else None
 
 
 def difference(expected, found):

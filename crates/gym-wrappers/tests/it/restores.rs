@@ -236,15 +236,17 @@ fn refused<E: Env>(env: &mut E, snapshot: &Snapshot, words: &str) {
     assert_eq!(env.snapshot().unwrap(), before, "{}", env.describe());
 }
 
+/// Returns a vector of `n` environments.
+fn vector(n: usize) -> NormalizeReward<SyncVectorEnv<Squares>> {
+    let envs = SyncVectorEnv::new(vec![Squares::new(9); n]).unwrap();
+    let mut envs = NormalizeReward::new(envs, 0.9).unwrap();
+    envs.reset(0).unwrap();
+    envs
+}
+
 #[test]
 fn returns_of_another_number_of_environments_are_refused() {
     let json = |snapshot: Result<Snapshot>| json!(snapshot.unwrap());
-    let vector = |n| {
-        let envs = SyncVectorEnv::new((0..n).map(|_| Squares::new(9))).unwrap();
-        let mut envs = NormalizeReward::new(envs, 0.9).unwrap();
-        envs.reset(0).unwrap();
-        envs
-    };
     let (mut one, mut two) = (
         NormalizeReward::new(Squares::new(9), 0.9).unwrap(),
         vector(2),
@@ -254,15 +256,18 @@ fn returns_of_another_number_of_environments_are_refused() {
     for wrong in &returns[1..] {
         let mut snapshot = json(one.snapshot());
         snapshot[1][2] = wrong.clone();
-        refused(&mut one, &serde_json::from_value(snapshot).unwrap(), "");
+        refused(
+            &mut one,
+            &serde_json::from_value(snapshot).unwrap(),
+            "expected 1 numbers",
+        );
     }
     for wrong in [&returns[0], &returns[2]] {
         let (before, mut snapshot) = (two.snapshot().unwrap(), json(two.snapshot()));
         snapshot[1][2] = wrong.clone();
-        assert!(
-            two.restore(&serde_json::from_value(snapshot).unwrap())
-                .is_err()
-        );
+        let result = two.restore(&serde_json::from_value(snapshot).unwrap());
+        let error = result.unwrap_err().to_string();
+        assert!(error.contains("expected 2 numbers"), "{error}");
         assert_eq!(two.snapshot().unwrap(), before);
     }
 }
@@ -290,12 +295,6 @@ fn snapshots_of_another_size_are_refused() {
         &delay(1).snapshot().unwrap(),
         "it has 1 observations, not 0",
     );
-    let vector = |n| {
-        let envs = SyncVectorEnv::new(vec![Squares::new(9); n]).unwrap();
-        let mut envs = NormalizeReward::new(envs, 0.9).unwrap();
-        envs.reset(0).unwrap();
-        envs
-    };
     for (from, into) in [(3, 2), (2, 3)] {
         assert!(
             vector(into)

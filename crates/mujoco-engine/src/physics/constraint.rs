@@ -315,30 +315,34 @@ pub(super) fn islands(m: &Model, d: &mut Data) {
         }
         tree
     }
-    let tree_of = |body: usize| usize::try_from(m.body_treeid[body]).ok();
+    let mut join = |t1: usize, t2: usize| {
+        let (a, b) = (find(least, t1), find(least, t2));
+        least[a.max(b)] = a.min(b);
+    };
     for block in &d.efc.blocks {
-        // the trees of both bodies, even if one of them does not move the point
-        let ends = match block.source {
-            Source::Contact(index) => Some(m.plan().pairs[d.contact[index].pair].trees),
-            Source::Equality(id) => {
-                let equality = m.plan().constraints.of_bodies(id);
-                equality.map(|equality| equality.bodies.map(tree_of))
-            }
+        let of_bodies = match block.source {
+            Source::Equality(id) => m.plan().constraints.of_bodies(id),
             _ => None,
         };
-        if let Some(ends) = ends {
-            if let [Some(t1), Some(t2)] = ends {
-                let (a, b) = (find(least, t1), find(least, t2));
-                least[a.max(b)] = a.min(b);
+        match (block.source, of_bodies) {
+            (Source::Limit(_) | Source::DofFriction(_), _) => {}
+            (Source::Contact(index), _) => {
+                if let [Some(t1), Some(t2)] = m.plan().pairs[d.contact[index].pair].trees {
+                    join(t1, t2);
+                }
             }
-            continue;
-        }
-        match block.source {
-            Source::Limit(_) | Source::DofFriction(_) => {}
+            // both trees, even if one body does not move the point
+            (_, Some(equality)) => {
+                let trees = equality
+                    .bodies
+                    .map(|body| usize::try_from(m.body_treeid[body]));
+                if let [Ok(t1), Ok(t2)] = trees {
+                    join(t1, t2);
+                }
+            }
             _ if d.efc.sparse => {
                 for &dof in &d.efc.columns[block.columns.clone()] {
-                    let (a, b) = (find(least, block.tree), find(least, m.dof_treeid[dof]));
-                    least[a.max(b)] = a.min(b);
+                    join(block.tree, m.dof_treeid[dof]);
                 }
             }
             _ => {
@@ -346,8 +350,7 @@ pub(super) fn islands(m: &Model, d: &mut Data) {
                 for row in d.efc.jac[rows].chunks(d.efc.stride) {
                     let numbers = row.as_flattened()[..m.nv()].iter().enumerate();
                     for (dof, _) in numbers.filter(|(_, x)| **x != 0.0) {
-                        let (a, b) = (find(least, block.tree), find(least, m.dof_treeid[dof]));
-                        least[a.max(b)] = a.min(b);
+                        join(block.tree, m.dof_treeid[dof]);
                     }
                 }
             }

@@ -6,6 +6,10 @@ use std::collections::BTreeMap;
 use mujoco_engine::{Model, Revision};
 use serde_json::Value;
 
+fn recorded() -> Value {
+    serde_json::from_str(include_str!("../recorded/fields.json")).unwrap()
+}
+
 /// Returns the model of a recording: `text` stands at `@place`, and what is in parentheses at others.
 fn model(base: &str, place: &str, text: &str) -> String {
     let mut parts = base.split('@');
@@ -58,7 +62,7 @@ fn is_of_meshes(field: &str) -> bool {
 
 #[test]
 fn attributes_change_the_fields_that_they_change_in_libmujoco() {
-    let recorded: Value = serde_json::from_str(include_str!("../recorded/fields.json")).unwrap();
+    let recorded = recorded();
     let base = recorded["base"].as_str().unwrap();
     let rows = recorded["rows"].as_array().unwrap();
     let (mut before, mut known) = (Vec::<Fields>::new(), Fields::new());
@@ -130,7 +134,7 @@ fn attributes(text: &str) -> Vec<(&str, &str)> {
 
 #[test]
 fn each_word_that_should_be_a_number_is_refused_if_it_is_none() {
-    let recorded: Value = serde_json::from_str(include_str!("../recorded/fields.json")).unwrap();
+    let recorded = recorded();
     let base = recorded["base"].as_str().unwrap();
     let (mut refused, mut accepted) = (0, Vec::new());
     for row in recorded["rows"].as_array().unwrap() {
@@ -166,7 +170,7 @@ fn each_word_that_should_be_a_number_is_refused_if_it_is_none() {
 
 #[test]
 fn each_element_refuses_an_attribute_that_it_does_not_have() {
-    let recorded: Value = serde_json::from_str(include_str!("../recorded/fields.json")).unwrap();
+    let recorded = recorded();
     let plain = model(recorded["base"].as_str().unwrap(), "", "");
     let plain = plain.replacen("<statistic", "<default/><statistic", 1);
     let (mut refused, mut accepted) = (0, Vec::new());

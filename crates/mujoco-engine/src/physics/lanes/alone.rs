@@ -11,7 +11,7 @@ use crate::physics::solver::cones::Shape;
 use crate::physics::{fwd_constraint, make_constraint, reference_constraint, tendon};
 use crate::{Data, Model};
 
-/// The solver of one world, which is called for each world in turn.
+/// The data of one world, whose rows are made, and perhaps solved, for each world in turn.
 #[derive(Clone, Debug)]
 pub(super) struct Alone {
     data: Box<Data>,
@@ -85,30 +85,13 @@ impl Alone {
         ] {
             take(numbers, cells, world);
         }
-        self.place(m, a, world);
-        let d = &mut *self.data;
-        std::mem::swap(&mut d.contact, &mut rows.contacts[world]);
-        wide(
-            (m, &mut *d),
-            #[inline(always)]
-            |(m, d)| {
-                make(m, d);
-                fwd_constraint(m, d);
-            },
-            #[inline(always)]
-            |(m, d)| {
-                make(m, d);
-                fwd_constraint(m, d);
-            },
-        );
-        std::mem::swap(&mut d.contact, &mut rows.contacts[world]);
-        rows.count[world] = d.efc.nefc();
-        give(&d.qacc, &mut a.qacc, world);
+        self.make_world(m, a, rows, world, true);
+        give(&self.data.qacc, &mut a.qacc, world);
         self.store(a, world);
     }
 
-    /// Reads what the rows of world `world` follow from.
-    fn place(&mut self, m: &Model, a: &Arrays, world: usize) {
+    /// Makes the rows of world `world` from its state and its contacts, and `solves` them.
+    fn make_world(&mut self, m: &Model, a: &Arrays, rows: &mut Rows, world: usize, solves: bool) {
         let d = &mut *self.data;
         for (numbers, cells) in [
             (&mut d.qpos[..], &a.qpos[..]),
@@ -130,6 +113,16 @@ impl Alone {
         ] {
             take(numbers, cells, world);
         }
+        std::mem::swap(&mut d.contact, &mut rows.contacts[world]);
+        wide(
+            (m, &mut *d),
+            #[inline(always)]
+            |(m, d)| make(m, d, solves),
+            #[inline(always)]
+            |(m, d)| make(m, d, solves),
+        );
+        std::mem::swap(&mut d.contact, &mut rows.contacts[world]);
+        rows.count[world] = d.efc.nefc();
     }
 
     /// Returns a number that is equal for worlds with the same islands, if they solve together.
@@ -142,21 +135,10 @@ impl Alone {
     pub(super) fn make(&mut self, m: &Model, a: &Arrays, rows: &mut Rows, first: usize) {
         let mut most = [0; 4];
         for world in worlds(rows.touched, first) {
-            self.place(m, a, world);
-            let d = &mut *self.data;
-            std::mem::swap(&mut d.contact, &mut rows.contacts[world]);
-            wide(
-                (m, &mut *d),
-                #[inline(always)]
-                |(m, d)| make(m, d),
-                #[inline(always)]
-                |(m, d)| make(m, d),
-            );
-            std::mem::swap(&mut d.contact, &mut rows.contacts[world]);
-            let made = &mut self.made[world];
+            self.make_world(m, a, rows, world, false);
+            let (d, made) = (&mut *self.data, &mut self.made[world]);
             made.note(d);
             std::mem::swap(&mut d.efc, &mut made.efc);
-            rows.count[world] = made.efc.nefc();
             for (most, rows) in most.iter_mut().zip(made.kinds) {
                 *most = rows.max(*most);
             }
@@ -186,14 +168,17 @@ impl Alone {
     }
 }
 
-/// Makes the rows of a world.
+/// Makes the rows of a world, and `solves` them.
 #[inline(always)]
-fn make(m: &Model, d: &mut Data) {
+fn make(m: &Model, d: &mut Data, solves: bool) {
     if m.plan().constraints.pulls_tendons() {
         tendon(m, d);
     }
     make_constraint(m, d);
     reference_constraint(m, d);
+    if solves {
+        fwd_constraint(m, d);
+    }
 }
 
 impl Made {

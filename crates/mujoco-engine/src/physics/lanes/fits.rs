@@ -77,8 +77,8 @@ pub(super) fn makes_rows(m: &Model) -> bool {
             .all(|pair| pair.dim <= 3 && pair.friction[0] == pair.friction[1])
 }
 
-/// Whether several worlds make their rows one by one, and solve together. As the rows of cones come
-/// last, the order of all rows is that of one world.
+/// Whether worlds make their rows one by one, and solve together. The rows of one kind must follow one
+/// another, those of elliptic cones last: so all of a model's pairs have the same dimension.
 pub(super) fn gathers(m: &Model) -> bool {
     let mut dims = m.plan().pairs.iter().map(|pair| pair.dim);
     let first = dims.next();

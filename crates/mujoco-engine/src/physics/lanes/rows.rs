@@ -292,7 +292,7 @@ impl Rows {
         row
     }
 
-    /// The rows that push, other than those of cones.
+    /// The rows of limits, and of contacts without an elliptic cone: they only push.
     #[inline(always)]
     pub(super) fn one_sided(&self) -> Range<usize> {
         self.pulls[1]..self.used - self.cones.len() * self.dim

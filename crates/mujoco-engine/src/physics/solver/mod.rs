@@ -4,7 +4,8 @@
 //! |---|---|
 //! | `newton`, `conjugate` | MuJoCo's solvers Newton and CG, on accelerations; `line_search`, `cholesky`, `sparse` and `buffers` are theirs |
 //! | `pgs` | the solver PGS, on forces; `dual` for rows other than limits and pyramidal contacts, `sweep` and `orders` of the rows |
-//! | `row_costs`, `cones` | costs and forces of rows, among them those of elliptic friction cones, for Newton and CG |
+//! | `row_costs` | costs and forces of rows, for Newton and CG |
+//! | `cones` | the same for elliptic friction cones, in one world or in several |
 //! | `qcqp` | the friction in an elliptic cone, for PGS and `noslip` |
 //! | `noslip` | the iterations that suppress slip |
 

@@ -17,32 +17,25 @@ import mujoco
 import numpy as np
 
 FOLDER = pathlib.Path(__file__).resolve().parent
+sys.path.insert(0, str(FOLDER.parents[4] / "tests/peers"))
+from random_models import Writer, is_calm, steps
+
 STEPS = 25
 
 
 def digest(text):
     try:
         model = mujoco.MjModel.from_xml_string(text)
-        data, random = mujoco.MjData(model), np.random.RandomState(0)
-        low, high = model.actuator_ctrlrange.T
-        limited = model.actuator_ctrllimited.astype(bool)
-        digest = 0xCBF29CE484222325
-        for _ in range(STEPS):
-            control = np.array([random.uniform(-1, 1) for _ in range(model.nu)])
-            data.ctrl[:] = np.where(limited, low + (control + 1) / 2 * (high - low), control)
-            mujoco.mj_step(model, data)
+        data, digest = mujoco.MjData(model), 0xCBF29CE484222325
+        for _ in steps(model, data, 0, STEPS):
             for number in np.concatenate([data.qpos, data.qvel, data.act, data.sensordata]):
                 digest = (digest ^ struct.unpack("<Q", struct.pack("<d", number))[0]) * 0x100000001B3 % 2**64
     except (ValueError, mujoco.FatalError):
         return "-"
-    calm = not any(warning.number for warning in data.warning) and np.abs(data.qvel).max(initial=0) < 1e4
-    return f"{digest:016x}" if calm else "-"
+    return f"{digest:016x}" if is_calm(data) else "-"
 
 
 def draw(number):
-    sys.path.insert(0, str(FOLDER.parents[4] / "tests/peers"))
-    from random_models import Writer
-
     random, seen = np.random.RandomState(7), 0
     while seen < number:
         text = Writer(random).model()

@@ -468,16 +468,13 @@ impl Lockstep for SimEnv {
     }
 
     fn begin_step(&mut self, action: &Array, worlds: &mut Groups) {
-        let Simulation { model, stride, .. } = &self.simulation;
         let fits = action.has_shape(&self.action_shape) && action.is_finite();
         if let Some(episode) = self.episode.as_mut().filter(|_| fits) {
             self.task.prepare(&mut episode.data);
         }
-        // an episode with drawn constants has a model of its own, so its world steps alone
-        let episode = self.episode.as_deref();
-        let episode = episode.filter(|episode| fits && episode.constants.is_empty());
-        self.member = episode
-            .and_then(|episode| worlds.begin(model, stride.as_ref()?, &episode.data, action));
+        let episode = self.episode.as_deref().filter(|_| fits);
+        self.member =
+            episode.and_then(|episode| worlds.begin(&self.simulation, &episode.data, action));
     }
 
     fn collect(&mut self, worlds: &mut Groups) {

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use gym_core::{Array, Error, Result};
-use mujoco_engine::lanes::{Derived, Stride};
+use mujoco_engine::lanes::{Derived, Stride, differ_in_stiffness};
 use mujoco_engine::model::{Integrator, SensorType};
 use mujoco_engine::physics::{
     forward, forward_without_actuators, rne_post_constraint, step, step1, step2, substep, substep2,
@@ -19,6 +19,8 @@ use crate::view::View;
 pub struct Simulation {
     /// The model; environments of a task share it.
     pub model: Arc<Model>,
+    /// The model that environments share, if `model` differs from it in the stiffness of joints alone.
+    pub(crate) shared: Option<Arc<Model>>,
     /// The source of the model: the name of a built-in one, the path of a file, or a text in MJCF.
     pub xml_file: String,
     /// The keyframe that episodes start from, by number.
@@ -70,6 +72,7 @@ impl Simulation {
             frame_skip: arguments.frame_skip,
             dt: model.opt.timestep * arguments.frame_skip as f64,
             model,
+            shared: None,
             view,
             stepper,
             stride: None,
@@ -107,12 +110,20 @@ impl Simulation {
         self.view.is_free()
     }
 
+    /// The model whose worlds step together with those of `model`.
+    pub(crate) fn shared(&self) -> &Arc<Model> {
+        self.shared.as_ref().unwrap_or(&self.model)
+    }
+
     /// Changes fields of the model.
     pub(crate) fn change(&mut self, change: impl FnOnce(&mut CompiledModel)) -> Result<()> {
         let mut compiled = CompiledModel::clone(&self.model);
         change(&mut compiled);
         let wrong = |error: mujoco_engine::Error| Error::argument("model", error.to_string());
-        self.model = Model::new(compiled).map(Arc::new).map_err(wrong)?;
+        let model = Model::new(compiled).map(Arc::new).map_err(wrong)?;
+        let shared = self.shared();
+        self.shared = differ_in_stiffness(shared, &model).then(|| Arc::clone(shared));
+        self.model = model;
         Ok(())
     }
 

@@ -6,16 +6,18 @@ use fearless_simd::Level;
 use gym_core::vector::lockstep::Together;
 use gym_core::{Array, math};
 
-use mujoco_engine::lanes::{Group, Stride};
-use mujoco_engine::{Data, Model};
+use mujoco_engine::Data;
+use mujoco_engine::lanes::Group;
+
+use crate::simulation::Simulation;
 
 /// The largest number of models with groups; environments of further models step one by one.
 const MODELS: usize = 4;
 
 /// Working memory for environments that step together: a group of worlds for each model.
 ///
-/// Only worlds of the same model step together: environments share a built-in model, but each loads
-/// its own from a file.
+/// Only worlds of the same model step together, or of models that differ in the stiffness of joints:
+/// environments share a built-in model, but each loads its own from a file.
 #[derive(Clone, Debug)]
 pub struct Groups {
     level: Level,
@@ -55,14 +57,14 @@ impl Groups {
     /// finite number for each control. `None` if the world steps alone.
     pub fn begin(
         &mut self,
-        model: &Arc<Model>,
-        stride: &Stride,
+        simulation: &Simulation,
         data: &Data,
         action: &Array,
     ) -> Option<Member> {
         if !Group::can_step(self.level) {
             return None;
         }
+        let (model, stride) = (simulation.shared(), simulation.stride.as_ref()?);
         let known = self.groups.iter().position(|group| {
             Arc::ptr_eq(group.model(), model) && group.stride().steps == stride.steps
         });
@@ -77,7 +79,7 @@ impl Groups {
             }
             None => return None,
         };
-        let world = self.groups[group].add(data, action.iter_f64())?;
+        let world = self.groups[group].add(&simulation.model, data, action.iter_f64())?;
         Some(Member { group, world })
     }
 

@@ -19,6 +19,7 @@ use std::borrow::Cow;
 
 use gym_core::{Env, Error, Policy, Result, Space, Value};
 use gym_sim::numpy::{dot, norm};
+use mujoco_engine::lanes::Derived;
 use mujoco_engine::{CompiledModel, Data, Model};
 
 use super::{check, config};
@@ -116,6 +117,10 @@ impl SimTask for Lqr {
 
     fn has(&self, constants: &[f64]) -> bool {
         constants.len() == self.bodies && constants.iter().all(|x| x.is_finite())
+    }
+
+    fn reads(&self, _: &Model) -> Option<Vec<Derived>> {
+        Some(Vec::new())
     }
 
     fn observe(&self, _: &Model, d: &Data, out: &mut Observation) {

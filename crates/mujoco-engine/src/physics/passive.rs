@@ -74,7 +74,7 @@ fn springs_and_dampers(m: &Model, d: &mut Data) {
 
 /// The force of a spring at position `q`.
 #[inline(always)]
-pub(in crate::physics) fn spring_force<N: Number>(q: N, rest: f64, stiffness: f64) -> N {
+pub(in crate::physics) fn spring_force<N: Number>(q: N, rest: f64, stiffness: N) -> N {
     -(q - rest) * stiffness
 }
 

@@ -3,9 +3,9 @@
 use std::sync::Arc;
 
 use fearless_simd::Level;
-use mujoco_engine::lanes::{Derived, Group, Stride, Worlds};
+use mujoco_engine::lanes::{Derived, Group, Stride, Worlds, differ_in_stiffness};
 use mujoco_engine::physics::rne_post_constraint;
-use mujoco_engine::{Data, Model, step};
+use mujoco_engine::{CompiledModel, Data, Model, step};
 
 /// A robot that hops on a floor: its worlds step together.
 const HOPPER: &str = r#"<mujoco>
@@ -105,6 +105,77 @@ fn compare(text: &str, len: usize) {
     }
 }
 
+/// Worlds of models that differ in the stiffness of joints have the bits of worlds alone.
+#[test]
+fn worlds_of_other_stiffness_step_together() {
+    let springs = |stiffness: f64| {
+        let text = HOPPER.replace("<joint ", &format!("<joint stiffness=\"{stiffness}\" "));
+        Arc::new(Model::from_xml(&text).unwrap())
+    };
+    let base = springs(20.0);
+    let models: Vec<_> = (0..8).map(|world| springs(f64::from(10 + world))).collect();
+    let stride = Stride {
+        steps: 4,
+        settles: false,
+        contact_forces: false,
+        reads: Vec::new(),
+    };
+    let mut group = Group::new(&base, &stride, Level::new(), 8);
+    let mut together: Vec<Data> = models.iter().map(|m| Data::new(m)).collect();
+    let mut alone = together.clone();
+    let mut random = random(4);
+    for _ in 0..30 {
+        group.clear();
+        for ((m, together), alone) in models.iter().zip(&mut together).zip(&mut alone) {
+            alone.ctrl.fill_with(&mut random);
+            together.ctrl.clone_from(&alone.ctrl);
+            let added = group.add(m, together, alone.ctrl.iter().copied());
+            assert_eq!(added.is_some(), Group::can_step(Level::new()));
+            (0..stride.steps).for_each(|_| step(m, alone));
+        }
+        group.step();
+        for (world, (m, together)) in models.iter().zip(&mut together).enumerate() {
+            if !group.is_empty() {
+                group.collect(world, together);
+            }
+            if !together.catch_up(m, &stride) {
+                (0..stride.steps).for_each(|_| step(m, together));
+            }
+            assert_eq!(together.qpos, alone[world].qpos, "{world}");
+            assert_eq!(together.qvel, alone[world].qvel, "{world}");
+        }
+    }
+    assert!((1..8).all(|world| alone[world].qpos != alone[0].qpos));
+}
+
+#[test]
+fn only_models_that_differ_in_stiffness_alone_step_together() {
+    let with = |change: fn(&mut CompiledModel)| {
+        let mut m = Model::from_xml(HOPPER).unwrap().into_compiled();
+        m.jnt_stiffness.fill(20.0);
+        change(&mut m);
+        m
+    };
+    let base = with(|_| ());
+    for (what, change, differs) in [
+        ("nothing", (|_| ()) as fn(&mut CompiledModel), false),
+        ("one stiffness", |m| m.jnt_stiffness[1] = 30.0, true),
+        ("a spring less", |m| m.jnt_stiffness[1] = 0.0, false),
+        ("a damping", |m| m.dof_damping[1] = 3.0, false),
+        (
+            "both",
+            |m| {
+                m.jnt_stiffness[1] = 30.0;
+                m.opt.timestep = 0.001;
+            },
+            false,
+        ),
+    ] {
+        assert_eq!(differ_in_stiffness(&base, &with(change)), differs, "{what}");
+        assert_eq!(differ_in_stiffness(&with(change), &base), differs, "{what}");
+    }
+}
+
 #[test]
 fn worlds_that_step_together_have_the_bits_of_one() {
     for len in [1, 9, 64, 77] {
@@ -135,7 +206,7 @@ fn worlds_of_several_trees_have_the_bits_of_one() {
             reads: vec![Derived::CfrcExt],
         };
         let data = Data::new(&model);
-        let added = Group::new(&model, &stride, level, 1).add(&data, [0.0; 2]);
+        let added = Group::new(&model, &stride, level, 1).add(&model, &data, [0.0; 2]);
         assert_eq!(added.is_some(), Group::can_step(level), "{option}");
         for len in [1, 7, 8, 9, 67] {
             compare(&text, len);

@@ -38,6 +38,8 @@ macro_rules! arrays {
 arrays! {
     qpos: PerWorld = (PerWorld::ZERO, |m| m.nq()),
     qvel: PerWorld = (PerWorld::ZERO, |m| m.nv()),
+    // of the joints that have springs: worlds may differ in it
+    stiffness: PerWorld = (PerWorld::ZERO, |m| m.plan().springs.len()),
     mocap_pos: [PerWorld; 3] = ([PerWorld::ZERO; 3], |m| m.nmocap()),
     mocap_quat: [PerWorld; 4] = ([ONE, PerWorld::ZERO, PerWorld::ZERO, PerWorld::ZERO], |m| m.nmocap()),
     warm: PerWorld = (PerWorld::ZERO, |m| m.nv()),

@@ -3,8 +3,8 @@
 use fearless_simd::Level;
 
 use super::{Derived, Stride, actuators, sensors};
-use crate::Model;
 use crate::model::{Cone, Equality, EqualityType, Integrator, JointType, Solver};
+use crate::{CompiledModel, Model};
 
 /// Returns the number of worlds per vector register. Returns `None` if the CPU has no fused
 /// multiply-add or fewer than four numbers per register, or without the feature `lanes`.
@@ -56,6 +56,24 @@ pub(crate) fn fits(m: &Model, stride: &Stride) -> bool {
         && !plan.surfaces
         && actuators::fit(m)
         && plan.boxes.iter().all(|(_, edges)| edges.is_some())
+}
+
+/// Whether two models differ in the stiffness of joints, and in nothing else: worlds of one step together
+/// with worlds of the other. Joints without springs in one have none in the other.
+#[must_use]
+pub fn differ_in_stiffness(a: &CompiledModel, b: &CompiledModel) -> bool {
+    let springs = |m: &CompiledModel| {
+        m.jnt_stiffness
+            .iter()
+            .map(|x| *x != 0.0)
+            .collect::<Vec<_>>()
+    };
+    let alike = || {
+        let mut twin = a.clone();
+        twin.jnt_stiffness.clone_from(&b.jnt_stiffness);
+        twin == *b
+    };
+    a.jnt_stiffness != b.jnt_stiffness && springs(a) == springs(b) && alike()
 }
 
 /// Whether the constraint rows of several worlds are made together: limits of joints and tendons, and

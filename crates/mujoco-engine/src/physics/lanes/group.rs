@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use fearless_simd::Level;
 
-use super::{Batch, Stride, WORLDS, fits, record_len, width};
+use super::{Batch, Stride, WORLDS, actuators, fits, record_len, width};
 use crate::physics::{forward, fwd_actuation};
 use crate::{Data, Model};
 
@@ -105,9 +105,16 @@ impl Group {
         self.len = 0;
     }
 
-    /// Adds a world: its state, and the controls of its next step, which must be finite numbers.
-    /// Returns its index; `None` if the world steps alone.
-    pub fn add(&mut self, data: &Data, controls: impl IntoIterator<Item = f64>) -> Option<usize> {
+    /// Adds a world: its model, which is the group's or [differs](super::differ_in_stiffness) from it
+    /// in the stiffness of joints, its state, and the
+    /// controls of its next step, which must be finite numbers. Returns its index; `None` if the world
+    /// steps alone.
+    pub fn add(
+        &mut self,
+        model: &Model,
+        data: &Data,
+        controls: impl IntoIterator<Item = f64>,
+    ) -> Option<usize> {
         let world = self.len;
         if world == self.stepped.len() || data.is_pushed() {
             return None;
@@ -125,13 +132,16 @@ impl Group {
             &own.qfrc_actuator,
             data.mocap_pos.as_flattened(),
             data.mocap_quat.as_flattened(),
-            &own.actuator_force,
+            &own.actuator_force[..actuators::inputs(m)],
         ];
         let mut record = self.records[world * length..][..length].iter_mut();
         for part in parts {
             for (from, to) in part.iter().zip(&mut record) {
                 *to = *from;
             }
+        }
+        for (&j, to) in m.plan().springs.iter().zip(&mut record) {
+            *to = model.jnt_stiffness[j];
         }
         self.len += 1;
         Some(world)

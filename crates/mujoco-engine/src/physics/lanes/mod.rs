@@ -35,6 +35,7 @@ use gym_numerics::math::{Lanes, Real};
 use self::alone::Alone;
 pub(crate) use self::arrays::Arrays;
 pub use self::derived::{Derived, Stride};
+pub use self::fits::differ_in_stiffness;
 pub(crate) use self::fits::{fits, width};
 use self::gauss_seidel::GaussSeidel;
 pub use self::group::Group;
@@ -73,11 +74,12 @@ pub(crate) fn state_len(m: &Model) -> usize {
 }
 
 /// Returns the length of a world's record: the input of a step, which the step replaces by the
-/// output. Input: state, actuator forces, poses of mocap bodies, controls. Output: state, the state
+/// output. Input: state, actuator forces, poses of mocap bodies, controls, stiffness of joints. Output: state, the state
 /// at the start of the last timestep, and the derived arrays that the task reads.
 pub(crate) fn record_len(m: &Model, reads: &[Derived]) -> usize {
     let derived: usize = reads.iter().map(|array| array.len(m)).sum();
-    let input = state_len(m) + m.nv() + 7 * m.nmocap() + actuators::inputs(m);
+    let controls = actuators::inputs(m);
+    let input = state_len(m) + m.nv() + 7 * m.nmocap() + controls + m.plan().springs.len();
     input.max(2 * state_len(m) + derived)
 }
 
@@ -130,8 +132,12 @@ impl Batch {
                 Derived::GeomXpos | Derived::GeomXmat | Derived::SiteXpos
             )
         };
+        let mut arrays = Arrays::new(m);
+        for (row, &j) in arrays.stiffness.iter_mut().zip(&m.plan().springs) {
+            *row = PerWorld([m.jnt_stiffness[j]; WORLDS]);
+        }
         Self {
-            arrays: Arrays::new(m),
+            arrays,
             rows: Rows::new(m, keeps),
             settles: stride.settles,
             sensors,
@@ -154,6 +160,7 @@ impl Batch {
             a.mocap_pos.as_flattened_mut(),
             a.mocap_quat.as_flattened_mut(),
             &mut a.input,
+            &mut a.stiffness,
         ];
         let mut numbers = record.iter();
         for array in arrays {

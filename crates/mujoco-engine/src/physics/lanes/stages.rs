@@ -144,10 +144,10 @@ impl Arrays {
         if !plan.passive {
             return;
         }
-        for &j in &plan.springs {
+        for (&j, stiffness) in plan.springs.iter().zip(&self.stiffness) {
             let (p, i) = (m.jnt_qposadr[j], m.jnt_dofadr[j]);
             let (q, rest) = (load::<S>(at, &self.qpos[p]), m.qpos_spring[p]);
-            let force = spring_force(q, rest, m.jnt_stiffness[j]);
+            let force = spring_force(q, rest, load::<S>(at, stiffness));
             store(at, &mut self.qfrc_passive[i], force);
         }
         self.add_tendon_springs(m, at);

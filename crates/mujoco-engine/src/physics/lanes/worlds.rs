@@ -159,7 +159,7 @@ impl Worlds {
                 let finite = self.data.ctrl.iter().all(|x| x.is_finite());
                 let data = &self.data;
                 self.members[world - first] = match finite {
-                    true => self.group.add(data, data.ctrl.iter().copied()),
+                    true => self.group.add(&self.model, data, data.ctrl.iter().copied()),
                     false => None,
                 };
             }

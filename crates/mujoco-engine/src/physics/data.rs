@@ -168,6 +168,8 @@ pub struct Data {
     /// Whether the derived arrays are older than the state: the last step ran in lanes, which store
     /// only the arrays that the task reads.
     stale: bool,
+    /// Whether `energy` was computed since the last reset.
+    pub(crate) knows_energy: bool,
     /// The result of a step that was computed ahead of its call: the state, and the state at the
     /// start of the last timestep.
     ahead: Vec<f64>,
@@ -414,6 +416,7 @@ impl Data {
         d.contact.clear();
         d.efc.clear();
         d.solver_niter.clear();
+        (d.energy, d.knows_energy) = ([0.0; 2], false);
         if m.plan().sleeps {
             start_asleep(m, d);
         }

@@ -72,6 +72,7 @@ pub(super) fn kinetic(m: &Model, d: &mut Data) -> f64 {
 /// `mj_energyVel`.
 pub fn energy(m: &Model, d: &mut Data) -> [f64; 2] {
     d.energy = [potential(m, d), kinetic(m, d)];
+    d.knows_energy = true;
     d.energy
 }
 

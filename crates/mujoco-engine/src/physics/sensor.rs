@@ -273,8 +273,8 @@ fn of_velocity(m: &Model, d: &mut Data, i: usize) -> Quat {
         }
         SensorType::SubtreeLinVel => three(d.subtree_linvel[id]),
         SensorType::SubtreeAngMom => three(d.subtree_angmom[id]),
-        // if the model computes the energy, the sensor has the energy of the last evaluation
-        _ if computed(m) => one(d.energy[1]),
+        // if the model computes the energy, the sensor has the energy of the last evaluation, if there was one
+        _ if computed(m) && d.knows_energy => one(d.energy[1]),
         _ => one(kinetic(m, d)),
     }
 }

@@ -197,7 +197,7 @@ fn actuators(m: &Model, d: &Data, add: &mut impl FnMut(usize, usize, f64)) {
         if m.actuator_forcelimited[i] && (force <= low || force >= high) {
             continue;
         }
-        if m.revision.derives_clamped_controls() && saturated(m, d, i) {
+        if m.revision.leaves_clamped_forces() && saturated(m, d, i) {
             continue;
         }
         let mut slope = 0.0;
@@ -209,7 +209,7 @@ fn actuators(m: &Model, d: &Data, add: &mut impl FnMut(usize, usize, f64)) {
             slope += gain
                 * match usize::try_from(m.actuator_actadr[i]) {
                     Err(_) => {
-                        if m.revision.derives_clamped_controls() {
+                        if m.revision.derives_at_clamped_controls() {
                             d.work.ctrl[i]
                         } else {
                             // MuJoCo 3.12 ignores the range of the control here

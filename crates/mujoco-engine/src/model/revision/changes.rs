@@ -122,8 +122,10 @@ changes! {
     /// Runge and Kutta's stages turn the velocities of free and ball joints into the frame of the
     /// start.
     turns_by_stages since V4_0;
-    /// `implicitfast` derives the forces at the clamped controls.
-    derives_clamped_controls since V4_0;
+    /// Implicit integrators derive the forces at the clamped controls.
+    derives_at_clamped_controls since V3_17;
+    /// Implicit integrators derive no force that the range of its joint or tendon clamps.
+    leaves_clamped_forces since V4_0;
     /// The inertia of a free body in implicit integration is that about the centre of mass.
     takes_inertia_of_com since V3_17;
     /// A sensor of a geom's or site's orientation takes that of the body, or of its inertia, if it is

@@ -18,6 +18,7 @@ mod memory;
 mod meshes;
 mod mjcf;
 mod numbers;
+mod parts;
 mod polygons;
 mod random;
 mod rays;

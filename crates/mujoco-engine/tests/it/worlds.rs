@@ -56,6 +56,9 @@ const PILE: &str = r#"<mujoco>
   <actuator><motor joint="shoulder" gear="20"/><motor joint="elbow" gear="5"/></actuator>
 </mujoco>"#;
 
+/// The number of models that are drawn by lot.
+const MODELS: usize = 60;
+
 fn random(seed: u64) -> impl FnMut() -> f64 {
     let mut seed = seed;
     move || {
@@ -64,10 +67,19 @@ fn random(seed: u64) -> impl FnMut() -> f64 {
     }
 }
 
+/// What is read of a model's worlds. Those with tendons between sites do not step together if forces on bodies are read.
+fn reads(text: &str) -> Vec<Derived> {
+    let mut reads = vec![Derived::Xpos];
+    if !text.contains("<spatial") {
+        reads.push(Derived::CfrcExt);
+    }
+    reads
+}
+
 fn compare(text: &str, len: usize) {
     let model = Arc::new(Model::from_xml(text).unwrap());
     let m = &*model;
-    let reads = [Derived::Xpos, Derived::CfrcExt];
+    let reads = reads(text);
     let mut worlds = Worlds::new(&model, len, &reads);
     let mut alone: Vec<Data> = (0..len).map(|_| Data::new(m)).collect();
     let mut random = random(3);
@@ -86,7 +98,7 @@ fn compare(text: &str, len: usize) {
             rne_post_constraint(m, data);
         }
         for (world, data) in alone.iter().enumerate() {
-            let what = format!("world {world} of {len}, {timesteps} timesteps");
+            let what = format!("world {world} of {len}, {timesteps} timesteps: {text}");
             let part = |column: &[f64], n: usize| -> Vec<u64> {
                 let own = column[world * n..][..n].iter();
                 own.map(|x| x.to_bits()).collect()
@@ -96,11 +108,14 @@ fn compare(text: &str, len: usize) {
             assert_eq!(part(&worlds.qpos, m.nq()), bits(&data.qpos), "{what}");
             assert_eq!(part(&worlds.qvel, m.nv()), bits(&data.qvel), "{what}");
             assert_eq!(part(&worlds.act, m.na()), bits(&data.act), "{what}");
-            let [xpos, cfrc_ext] = reads.map(|array| worlds.array(array).unwrap());
-            let n = m.nbody();
+            let (xpos, n) = (worlds.array(Derived::Xpos).unwrap(), m.nbody());
             assert_eq!(part(xpos, 3 * n), bits(data.xpos.as_flattened()), "{what}");
-            let forces = data.cfrc_ext.as_flattened();
-            assert_eq!(part(cfrc_ext, 6 * n), bits(forces), "{what}");
+            let cfrc_ext = worlds.array(Derived::CfrcExt);
+            assert_eq!(cfrc_ext.is_some(), reads.len() > 1, "{what}");
+            if let Some(cfrc_ext) = cfrc_ext {
+                let forces = data.cfrc_ext.as_flattened();
+                assert_eq!(part(cfrc_ext, 6 * n), bits(forces), "{what}");
+            }
         }
     }
 }
@@ -212,6 +227,148 @@ fn worlds_of_several_trees_have_the_bits_of_one() {
             compare(&text, len);
         }
     }
+}
+
+/// Models by lot, of what worlds step together: joints, shapes that touch (lying flat too, with both ends of a capsule at the
+/// same height), tendons, servos, equalities and options.
+fn drawn(lot: &mut impl FnMut(usize) -> usize) -> String {
+    fn one_of<'a>(lot: &mut impl FnMut(usize) -> usize, words: &[&'a str]) -> &'a str {
+        words[lot(words.len())]
+    }
+    const OPTIONS: [&str; 9] = [
+        "",
+        "",
+        r#"integrator="RK4""#,
+        r#"timestep="0.005" gravity="1 0 -9""#,
+        r#"cone="elliptic""#,
+        r#"solver="CG""#,
+        r#"solver="PGS" iterations="9""#,
+        r#"impratio="4""#,
+        r#"tolerance="1e-4" ls_iterations="4""#,
+    ];
+    const JOINTS: [&str; 9] = [
+        "",
+        r#"type="slide""#,
+        r#"range="-20 25" limited="true""#,
+        r#"damping="0.4" armature="0.02""#,
+        r#"frictionloss="0.1""#,
+        r#"stiffness="2" springref="15" ref="5""#,
+        r#"range="-10 9" limited="true" margin="0.05" solreflimit="0.03 0.8""#,
+        r#"actuatorfrcrange="-1 0.6""#,
+        r#"pos="0.02 0.01 0.03" type="slide" range="-0.05 0.02" limited="true""#,
+    ];
+    const GEOMS: [&str; 9] = [
+        "",
+        "",
+        r#"condim="1""#,
+        r#"friction="0.3""#,
+        r#"margin="0.03" gap="0.01""#,
+        r#"condim="4""#,
+        r#"condim="6" friction="1 0.1 0.01""#,
+        r#"solref="0.04 0.7" solimp="0.7 0.9 0.01 0.4 3""#,
+        r#"contype="0""#,
+    ];
+    const AXES: [&str; 4] = ["0 1 0", "1 0 0", "0 0 1", "0.6 0 0.8"];
+    const SHAPES: [&str; 5] = [
+        r#"size="0.1""#,
+        r#"type="capsule" size="0.1 0.15""#,
+        r#"type="capsule" size="0.1" fromto="-0.15 0 0  0.15 0 0""#,
+        r#"type="box" size="0.12 0.15 0.1""#,
+        r#"type="capsule" size="0.1 0.1" euler="20 70 0""#,
+    ];
+    // forces by the control alone, servos, and what steps one by one
+    const ACTUATORS: [&[&str]; 4] = [
+        &[
+            r#"<motor joint="a" gear="9" ctrlrange="-0.5 0.4" ctrllimited="true"/>"#,
+            r#"<motor joint="b" gear="-2" forcerange="-0.3 0.7" forcelimited="true"/>"#,
+            r#"<motor tendon="t" gear="3"/>"#,
+        ],
+        &[r#"<motor joint="b" gear="2"/>"#],
+        &[
+            r#"<position joint="b" kp="20"/>"#,
+            r#"<position joint="a" kp="9" ctrlrange="-0.3 0.2" ctrllimited="true"/>"#,
+            r#"<position tendon="t" kp="5" gear="-2"/>"#,
+        ],
+        &[
+            r#"<velocity joint="b" kv="2"/>"#,
+            r#"<position joint="a" kp="9" kv="0.3" forcerange="-1 0.7" forcelimited="true"/>"#,
+            r#"<general joint="a" gaintype="fixed" gainprm="3" biastype="affine" biasprm="0.5 -2 -0.1"/>"#,
+        ],
+    ];
+    const TENDONS: [&str; 5] = [
+        r#"<fixed name="t" limited="true" range="-0.2 0.1"><joint joint="a" coef="1"/><joint joint="b" coef="-0.7"/></fixed>"#,
+        r#"<fixed name="t" stiffness="3" springlength="0.1"><joint joint="a" coef="1"/></fixed>"#,
+        r#"<fixed name="t"><joint joint="b" coef="2"/></fixed>"#,
+        r#"<spatial name="t" limited="true" range="0 0.45"><site site="low"/><site site="high"/></spatial>"#,
+        r#"<fixed name="t" frictionloss="0.2"><joint joint="a" coef="1"/><joint joint="b" coef="0.5"/></fixed>"#,
+    ];
+    const EQUALITIES: [&str; 4] = [
+        "",
+        "",
+        "",
+        r#"<joint joint1="a" joint2="b" polycoef="0.01 0.5 0.1 0 0"/>"#,
+    ];
+    let option = one_of(lot, &OPTIONS);
+    let mut text = format!(
+        r#"<mujoco><option {option}/><worldbody><site name="low" pos="0 0 0.1"/><geom type="plane" size="5 5 1" {}/>"#,
+        one_of(lot, &GEOMS)
+    );
+    text += &format!(
+        r#"<body pos="0 0 0.4"><joint name="a" axis="{}" {}/><geom type="capsule" size="0.04" fromto="0 0 0  0.3 0 0" {}/>
+        <body pos="0.3 0 0"><joint name="b" axis="{}" {}/><geom type="capsule" size="0.05" fromto="0 0 0  0.3 0 {}" {}/><site name="high" pos="0.2 0.1 0"/></body></body>"#,
+        one_of(lot, &AXES),
+        one_of(lot, &JOINTS),
+        one_of(lot, &GEOMS),
+        one_of(lot, &AXES),
+        one_of(lot, &JOINTS),
+        one_of(lot, &["0", "-0.1"]),
+        one_of(lot, &GEOMS),
+    );
+    for i in 0..lot(4) {
+        let (shape, height) = (
+            one_of(lot, &SHAPES),
+            one_of(lot, &["0.1", "0.0999", "0.25"]),
+        );
+        text += &format!(
+            r#"<body pos="{} 0.{}1 {height}"><freejoint/><geom {shape} {}/></body>"#,
+            [0.5, 0.62, 0.4][i],
+            lot(3),
+            one_of(lot, &GEOMS)
+        );
+    }
+    text += &format!(
+        "</worldbody><tendon>{}</tendon><equality>{}</equality><actuator>",
+        one_of(lot, &TENDONS),
+        one_of(lot, &EQUALITIES)
+    );
+    let actuators = ACTUATORS[lot(ACTUATORS.len())];
+    (0..1 + lot(2)).for_each(|_| text += one_of(lot, actuators));
+    text + "</actuator></mujoco>"
+}
+
+#[test]
+fn worlds_of_models_by_lot_have_the_bits_of_one() {
+    let (mut numbers, level) = (random(5), Level::new());
+    let mut lot = |n: usize| ((numbers() + 1.0) / 2.0 * n as f64) as usize;
+    let mut together = 0;
+    for _ in 0..MODELS {
+        let text = drawn(&mut lot);
+        let model =
+            Arc::new(Model::from_xml(&text).unwrap_or_else(|error| panic!("{error}: {text}")));
+        let stride = Stride {
+            steps: 1,
+            settles: false,
+            contact_forces: true,
+            reads: reads(&text),
+        };
+        let added = Group::new(&model, &stride, level, 1).add(&Data::new(&model), [0.0; 2]);
+        together += usize::from(added.is_some());
+        compare(&text, 9);
+    }
+    assert!(
+        !Group::can_step(level) || together > MODELS / 2,
+        "{together}"
+    );
 }
 
 #[test]

@@ -119,6 +119,38 @@ const PARTS: &[(&str, &str)] = &[
         r#"<light dir="0 0 0"/>"#,
         r#"<light> attribute "dir": the direction is zero"#,
     ),
+    (
+        r#"<body><joint type="ball"/><joint type="hinge"/><geom size=".1"/></body>"#,
+        r#"<joint> attribute "type": nothing that turns follows a ball joint"#,
+    ),
+    (
+        r#"<body><joint type="ball"/><joint type="ball"/><geom size=".1"/></body>"#,
+        r#"<joint> attribute "type": nothing that turns follows a ball joint"#,
+    ),
+    (
+        r#"<body><inertial pos="0 0 0" mass="1" diaginertia="1 1 1"/><inertial pos="0 0 0" mass="1" diaginertia="1 1 1"/></body>"#,
+        r#"<inertial>: the body has one already"#,
+    ),
+    (
+        r#"<geom type="capsule" size=".1" fromto="0 0 0 1 1 1" pos="0 0 1"/>"#,
+        r#"<geom> attribute "fromto": does not go with pos, which it implies"#,
+    ),
+    (
+        r#"<camera fovy="50" sensorsize=".1 .1" focal=".1 .1" resolution="9 9"/>"#,
+        r#"<camera> attribute "sensorsize": does not go with fovy"#,
+    ),
+    (
+        r#"<light type="spot" directional="true"/>"#,
+        r#"<light> attribute "type": does not go with directional"#,
+    ),
+    (
+        r#"<geom size=".1"><site/></geom>"#,
+        r#"<site>: not supported within <geom>"#,
+    ),
+    (
+        r#"<geom size=".1"/><x:geom xmlns:x="other" size=".1"/>"#,
+        r#"<geom>: an element of another namespace is not part of MJCF"#,
+    ),
 ];
 
 /// Sections beside [`WORLD`], and their errors.
@@ -190,6 +222,86 @@ const SECTIONS: &[(&str, &str)] = &[
     (
         r#"<asset><texture name="t"/></asset>"#,
         r#"<texture> attribute "file": missing: give a file, the files of faces, or a builtin pattern"#,
+    ),
+    (
+        r#"<actuator><motor cranksite="s" cranklength="1"/></actuator>"#,
+        r#"<motor> attribute "slidersite": missing: a slider-crank needs it"#,
+    ),
+    (
+        r#"<actuator><motor cranksite="s" slidersite="t"/></actuator>"#,
+        r#"<motor> attribute "cranklength": must be positive"#,
+    ),
+    (
+        r#"<actuator><motor cranksite="s" slidersite="t" cranklength="-1"/></actuator>"#,
+        r#"<motor> attribute "cranklength": must be positive"#,
+    ),
+    (
+        r#"<actuator><muscle joint="j" lmin="1"/></actuator>"#,
+        r#"<muscle> attribute "lmin": must be less than 1, and lmax greater"#,
+    ),
+    (
+        r#"<actuator><muscle joint="j" lmax="1"/></actuator>"#,
+        r#"<muscle> attribute "lmin": must be less than 1, and lmax greater"#,
+    ),
+    (
+        r#"<actuator><muscle joint="j" range="1 1"/></actuator>"#,
+        r#"<muscle> attribute "range": must rise"#,
+    ),
+    (
+        r#"<actuator><muscle joint="j" scale="0"/></actuator>"#,
+        r#"scale, vmax, fpmax and fvmax must be positive"#,
+    ),
+    (
+        r#"<actuator><muscle joint="j" vmax="0"/></actuator>"#,
+        r#"scale, vmax, fpmax and fvmax must be positive"#,
+    ),
+    (
+        r#"<actuator><muscle joint="j" fpmax="0"/></actuator>"#,
+        r#"scale, vmax, fpmax and fvmax must be positive"#,
+    ),
+    (
+        r#"<actuator><muscle joint="j" fvmax="0"/></actuator>"#,
+        r#"scale, vmax, fpmax and fvmax must be positive"#,
+    ),
+    (
+        r#"<equality><weld body1="b" body2="b"/></equality>"#,
+        r#"<weld>: relates an object to itself"#,
+    ),
+    (
+        r#"<equality><joint joint1="j" joint2="j"/></equality>"#,
+        r#"<joint>: relates an object to itself"#,
+    ),
+    (
+        r#"<equality><connect site1="s" site2="s"/></equality>"#,
+        r#"<connect>: relates an object to itself"#,
+    ),
+    (
+        r#"<tendon><fixed/></tendon>"#,
+        r#"<fixed>: needs elements within: joint"#,
+    ),
+    (
+        r#"<tendon><spatial/></tendon>"#,
+        r#"<spatial>: needs elements within: site"#,
+    ),
+    (
+        r#"<option actuatorgroupdisable="31"/>"#,
+        r#"<option> attribute "actuatorgroupdisable": groups are 0 to 30"#,
+    ),
+    (
+        r#"<option actuatorgroupdisable="3 -1"/>"#,
+        r#"<option> attribute "actuatorgroupdisable": groups are 0 to 30"#,
+    ),
+    (
+        r#"<asset><texture name="t" builtin="flat" width="4" height="4"/><texture name="t" builtin="flat" width="4" height="4"/></asset>"#,
+        r#"<texture> attribute "name": there is a texture "t" already"#,
+    ),
+    (
+        r#"<asset><texture name="t" type="cube" builtin="flat" width="4" height="4" gridsize="4 4"/></asset>"#,
+        r#"<texture> attribute "gridsize": needs 1 to 12 faces"#,
+    ),
+    (
+        r#"<asset><texture name="t" type="cube" builtin="flat" width="4" height="4" gridsize="0 3"/></asset>"#,
+        r#"<texture> attribute "gridsize": needs 1 to 12 faces"#,
     ),
 ];
 

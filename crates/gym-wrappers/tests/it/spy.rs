@@ -324,8 +324,8 @@ fn unregistered(name: &str, spy: &Spy) -> Option<(BoxEnv, &'static [&'static str
     })
 }
 
-#[test]
-fn every_wrapper_passes_on_what_it_does_not_answer_itself() {
+/// Returns each wrapper's name, a spy, the wrapper around it, and the methods that the wrapper does not forward.
+fn every_wrapper() -> Vec<(&'static str, Spy, BoxEnv, &'static [&'static str])> {
     let registered = registry::wrappers().into_iter().map(|wrapper| wrapper.name);
     let unregistered = [
         "Render",
@@ -336,7 +336,7 @@ fn every_wrapper_passes_on_what_it_does_not_answer_itself() {
     ];
     let names: Vec<_> = registered.chain(unregistered).collect();
     assert!(names.len() >= 33, "{names:?}");
-    for name in names {
+    let wrap = |name| {
         let picture = BoxSpace::uniform(0.0, 255.0, [4, 4, 3], DType::U8).unwrap();
         let spy = match name {
             "GrayscaleObservation" | "ResizeObservation" => Spy::new(picture),
@@ -345,8 +345,73 @@ fn every_wrapper_passes_on_what_it_does_not_answer_itself() {
             ),
             _ => Spy::new(Space::boxed([-1.0, 0.0], [1.0, 1.0])),
         };
-        let (mut env, own) =
+        let (env, own) =
             wrapped(name, &spy).unwrap_or_else(|| panic!("`{name}` is not in the list"));
+        (name, spy, env, own)
+    };
+    names.into_iter().map(wrap).collect()
+}
+
+/// A window and a box are no wrappers of Gymnasium's.
+#[test]
+fn every_wrapper_names_itself_around_its_environment() {
+    for (name, _, env, _) in every_wrapper() {
+        let expected = match name {
+            "Render" | "BoxEnv" => "Spy".to_owned(),
+            _ => format!("<{name}<Spy>>"),
+        };
+        assert_eq!(env.describe(), expected);
+        let mut layers = Vec::new();
+        env.visit_layers(&mut |layer| layers.push(layer));
+        let own = layers.strip_suffix(&["Spy"]).expect("the environment");
+        assert!(
+            own == [name] || (name == "BoxEnv" && own.is_empty()),
+            "{layers:?}"
+        );
+    }
+}
+
+/// A snapshot in which a part of a wrapper's state is missing, superfluous or a word is refused, before the environment is
+/// restored.
+#[test]
+fn every_wrapper_refuses_snapshots_that_are_not_its_own() {
+    let mut stateful = 0;
+    for (name, spy, mut env, _) in every_wrapper() {
+        env.reset(0).unwrap();
+        env.step(&env.action_space().sampler(0).sample()).unwrap();
+        let good = env.snapshot().unwrap();
+        let Json::Array(parts) = json!(good) else {
+            continue;
+        };
+        stateful += 1;
+        let mut wrong = vec![
+            parts[1..].to_vec(),
+            parts[..parts.len() - 1].to_vec(),
+            [&parts[..], &[json!(0)]].concat(),
+        ];
+        for i in 1..parts.len() {
+            let mut parts = parts.clone();
+            parts[i] = json!("none");
+            wrong.push(parts);
+        }
+        for parts in wrong {
+            spy.calls.lock().unwrap().clear();
+            let snapshot = serde_json::from_value(json!(parts)).unwrap();
+            assert!(env.restore(&snapshot).is_err(), "{name}: {parts:?}");
+            assert!(
+                !spy.calls.lock().unwrap().contains("restore"),
+                "{name}: {parts:?}"
+            );
+            assert_eq!(env.snapshot().unwrap(), good, "{name}: {parts:?}");
+        }
+        env.restore(&good).unwrap();
+    }
+    assert!(stateful >= 10, "{stateful}");
+}
+
+#[test]
+fn every_wrapper_passes_on_what_it_does_not_answer_itself() {
+    for (name, spy, mut env, own) in every_wrapper() {
         for (method, call) in CALLS {
             if *method != "reset_into" && *method != "close" {
                 env.reset(0).unwrap();
@@ -390,4 +455,297 @@ fn wrappers_are_reached_through_boxes() {
         3
     );
     let _: Array = statistics.mean();
+}
+
+/// What does not fit an environment is refused in words that say why, one for each part of a condition.
+#[test]
+fn wrappers_that_do_not_fit_say_why() {
+    let unit = || Space::boxed([-1.0, 0.0], [1.0, 1.0]);
+    let picture = |high, shape: &[usize]| -> Space {
+        BoxSpace::uniform(0.0, high, shape.to_vec(), DType::U8)
+            .unwrap()
+            .into()
+    };
+    let dict = || -> Space {
+        DictSpace::new([("a", Space::discrete(2)), ("b", Space::discrete(3))])
+            .unwrap()
+            .into()
+    };
+    let wrap = |space: Space, name: &str, kwargs: Json| {
+        let kwargs = kwargs.as_object().expect("arguments").clone();
+        let spec = WrapperSpec {
+            name: name.into(),
+            kwargs,
+        };
+        spec.wrap(BoxEnv::new(Spy::new(space))).map(drop)
+    };
+    let mut wrong = Vec::new();
+    let finite = "both must be finite, or both infinite";
+    for (space, name, kwargs, words) in [
+        (
+            unit(),
+            "ClipReward",
+            json!({}),
+            "neither min_reward nor max_reward is given",
+        ),
+        (
+            unit(),
+            "ClipReward",
+            json!({"min_reward": 2.0, "max_reward": 1.0}),
+            "2",
+        ),
+        (
+            unit(),
+            "ClipReward",
+            json!({"max_reward": [1.0, 2.0]}),
+            "a reward has one bound",
+        ),
+        (
+            unit(),
+            "FilterObservation",
+            json!({"filter_keys": ["a"]}),
+            "names need a Dict",
+        ),
+        (
+            dict(),
+            "FilterObservation",
+            json!({"filter_keys": [0]}),
+            "names need a Dict",
+        ),
+        (
+            dict(),
+            "FilterObservation",
+            json!({"filter_keys": []}),
+            "filter_keys is empty",
+        ),
+        (
+            dict(),
+            "FilterObservation",
+            json!({"filter_keys": ["a", "c"]}),
+            "there is no member c",
+        ),
+        (
+            unit(),
+            "GrayscaleObservation",
+            json!({}),
+            "it needs uint8 observations from 0 to 255",
+        ),
+        (
+            picture(254.0, &[4, 4, 3]),
+            "GrayscaleObservation",
+            json!({}),
+            "from 0 to 255",
+        ),
+        (
+            picture(255.0, &[4, 4]),
+            "GrayscaleObservation",
+            json!({}),
+            "shape (height, width, 3)",
+        ),
+        (
+            picture(255.0, &[4, 4, 4]),
+            "GrayscaleObservation",
+            json!({}),
+            "shape (height, width, 3)",
+        ),
+        (
+            picture(255.0, &[4]),
+            "ResizeObservation",
+            json!({"shape": [2, 2]}),
+            "two or three axes",
+        ),
+        (
+            picture(255.0, &[4, 4]),
+            "ResizeObservation",
+            json!({"shape": [0, 2]}),
+            "at least 1",
+        ),
+        (
+            picture(255.0, &[4, 4]),
+            "ResizeObservation",
+            json!({"shape": [2, 0]}),
+            "at least 1",
+        ),
+        (
+            unit(),
+            "ReshapeObservation",
+            json!({"shape": [3]}),
+            "does not hold the elements",
+        ),
+        (
+            unit(),
+            "ReshapeObservation",
+            json!({"shape": [1, 1]}),
+            "does not hold the elements",
+        ),
+        (
+            picture(9.0, &[2]),
+            "RescaleObservation",
+            json!({"min_obs": 0.0, "max_obs": 1.0}),
+            "holds no fractions",
+        ),
+        (
+            unit(),
+            "RescaleObservation",
+            json!({"min_obs": "-inf", "max_obs": 1.0}),
+            finite,
+        ),
+        (
+            unit(),
+            "RescaleObservation",
+            json!({"min_obs": 0.0, "max_obs": "inf"}),
+            finite,
+        ),
+        (
+            unit(),
+            "RescaleObservation",
+            json!({"min_obs": 2.0, "max_obs": 1.0}),
+            "2",
+        ),
+        (
+            unit(),
+            "RescaleObservation",
+            json!({"min_obs": [0.0, 0.0, 0.0], "max_obs": 1.0}),
+            "3",
+        ),
+        (
+            unit(),
+            "RescaleObservation",
+            json!({"min_obs": [[0.0, 0.0], [0.0]], "max_obs": 1.0}),
+            "the lists of a bound have different lengths",
+        ),
+        (
+            dict(),
+            "DtypeObservation",
+            json!({"dtype": "float64"}),
+            "it needs a Box, Discrete",
+        ),
+        (
+            dict(),
+            "NormalizeObservation",
+            json!({}),
+            "it needs observations with a shape",
+        ),
+        (
+            dict(),
+            "MaxAndSkipObservation",
+            json!({}),
+            "it needs observations with a shape",
+        ),
+        (
+            unit(),
+            "NormalizeObservation",
+            json!({"epsilon": 0.0}),
+            "it must be above 0",
+        ),
+        (
+            unit(),
+            "NormalizeReward",
+            json!({"gamma": 1.5}),
+            "gamma is 1.5: it must be in [0, 1]",
+        ),
+        (
+            unit(),
+            "NormalizeReward",
+            json!({"gamma": -0.5}),
+            "gamma is -0.5: it must be in [0, 1]",
+        ),
+        (
+            unit(),
+            "NormalizeReward",
+            json!({"epsilon": 0.0}),
+            "it must be above 0",
+        ),
+        (
+            unit(),
+            "AddWhiteNoise",
+            json!({"probability_of_noise_per_pixel": 1.0}),
+            "it must be in [0, 1)",
+        ),
+        (
+            unit(),
+            "AddWhiteNoise",
+            json!({"probability_of_noise_per_pixel": -0.1}),
+            "it must be in [0, 1)",
+        ),
+        (
+            unit(),
+            "ObstructView",
+            json!({"obstructed_pixels_ratio": 1.0, "obstruction_width": 1}),
+            "it must be in [0, 1)",
+        ),
+        (
+            unit(),
+            "ObstructView",
+            json!({"obstructed_pixels_ratio": 0.5, "obstruction_width": 0}),
+            "obstruction_width is 0",
+        ),
+        (
+            unit(),
+            "DiscretizeObservation",
+            json!({"bins": [2]}),
+            "bins are given for 1 of 2 elements",
+        ),
+        (
+            unit(),
+            "DiscretizeObservation",
+            json!({"bins": [2, 0]}),
+            "0",
+        ),
+        (
+            dict(),
+            "DiscretizeObservation",
+            json!({"bins": 2}),
+            "it needs a Box observation space",
+        ),
+        (
+            Space::boxed([0.0], [f32::INFINITY]),
+            "DiscretizeObservation",
+            json!({"bins": 2}),
+            "bins need finite bounds",
+        ),
+        (
+            unit(),
+            "DiscretizeAction",
+            json!({"bins": [2, 2]}),
+            "bins are given for 2 of 1 elements",
+        ),
+        (
+            unit(),
+            "RescaleAction",
+            json!({"min_action": 1.0, "max_action": 1.0}),
+            "they must differ",
+        ),
+        (
+            unit(),
+            "RecordEpisodeStatistics",
+            json!({"buffer_length": u64::MAX}),
+            "do not fit in memory",
+        ),
+        (
+            unit(),
+            "DelayObservation",
+            json!({"delay": u32::MAX}),
+            "do not fit in memory",
+        ),
+        (
+            unit(),
+            "TimeLimit",
+            json!({}),
+            "it needs `max_episode_steps`",
+        ),
+        (unit(), "TimeLimit", json!({"max_episode_steps": 0}), "0"),
+        (unit(), "RepeatAction", json!({"num_repeats": 0}), "0"),
+    ] {
+        let told = wrap(space, name, kwargs.clone())
+            .err()
+            .map(|error| error.to_string());
+        if !told
+            .as_deref()
+            .is_some_and(|told| told.contains(words) && told.contains(name))
+        {
+            wrong.push(format!("{name} with {kwargs}: {told:?}"));
+        }
+    }
+    assert!(wrong.is_empty(), "{}", wrong.join("\n"));
 }

@@ -2,5 +2,6 @@
 
 mod contract;
 mod engines;
+mod lots;
 mod rapier;
 mod rules;

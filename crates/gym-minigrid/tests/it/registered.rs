@@ -1,7 +1,7 @@
 //! Environments made by id: native vectors, snapshots, wrappers and good policies.
 
 use gym_core::vector::Autoreset;
-use gym_core::{Env, EnvExt, Value, WrapperSpec, builder, make, registry};
+use gym_core::{Env, EnvExt, Error, Value, WrapperSpec, builder, make, registry};
 use gym_minigrid::{Cell, Kind, World};
 use gym_testing::native_equals_sync;
 use serde_json::json;
@@ -510,4 +510,108 @@ fn both_tasks_of_a_state_are_checked() {
         );
     }
     env.inspect_mut().unwrap().set_state(state).unwrap();
+}
+
+/// Each limit of an argument: the values at its ends are possible, those beyond them are not.
+#[test]
+fn arguments_are_possible_up_to_their_limits() {
+    let any = "MiniGrid-Empty-5x5-v0";
+    let door = "MiniGrid-GoToDoor-5x5-v0";
+    let maze = "MiniGrid-ObstructedMaze-Full-v1";
+    let rooms = "MiniGrid-MultiRoom-N2-S4-v0";
+    for (id, name, good, bad) in [
+        (any, "size", json!([3, 255]), json!([2, 256])),
+        (any, "agent_start_dir", json!([0, 3]), json!([4, -1])),
+        (
+            any,
+            "agent_view_size",
+            json!([3, 63]),
+            json!([1, 2, 4, 62, 64, 65]),
+        ),
+        (any, "max_steps", json!([1, 1_000_000]), json!([0, -1])),
+        (door, "size", json!([5, 255]), json!([4, 256])),
+        (
+            "MiniGrid-LavaGapS5-v0",
+            "size",
+            json!([5, 255]),
+            json!([4, 256]),
+        ),
+        (
+            "MiniGrid-LavaCrossingS9N1-v0",
+            "size",
+            json!([3, 255]),
+            json!([2, 8, 256]),
+        ),
+        (
+            "MiniGrid-MemoryS7-v0",
+            "size",
+            json!([7, 255]),
+            json!([5, 8, 257]),
+        ),
+        (
+            "MiniGrid-PutNear-6x6-N2-v0",
+            "numObjs",
+            json!([2]),
+            json!([0, 1]),
+        ),
+        (rooms, "maxRoomSize", json!([4, 255]), json!([3, 256])),
+        (rooms, "minNumRooms", json!([1, 2]), json!([0, 3])),
+        (rooms, "maxNumRooms", json!([2, 1000]), json!([1, 1001])),
+        (
+            "MiniGrid-KeyCorridorS3R1-v0",
+            "obj_type",
+            json!(["key", "ball", "box"]),
+            json!(["door", "wall", "goal"]),
+        ),
+        (
+            maze,
+            "agent_room",
+            json!([[0, 0], [2, 2]]),
+            json!([[3, 0], [0, 3], [1]]),
+        ),
+        (maze, "num_quarters", json!([1, 4]), json!([0, 5])),
+        (maze, "num_rooms_visited", json!([1, 25]), json!([0])),
+        (
+            "BabyAI-OpenDoorsOrderN2-v0",
+            "num_doors",
+            json!([2, 4]),
+            json!([1, 5]),
+        ),
+        (
+            "BabyAI-PutNextLocal-v0",
+            "num_objs",
+            json!([2, 18]),
+            json!([1, 19]),
+        ),
+        (
+            "BabyAI-PutNextS5N2-v0",
+            "objs_per_room",
+            json!([1, 9]),
+            json!([0, 10]),
+        ),
+        (
+            "BabyAI-MoveTwoAcrossS5N2-v0",
+            "objs_per_room",
+            json!([2, 9]),
+            json!([1, 10]),
+        ),
+        (
+            "BabyAI-GoToObj-v0",
+            "room_size",
+            json!([4, 255]),
+            json!([2, 256]),
+        ),
+    ] {
+        let made = |value: &serde_json::Value| builder(id).arg(name, value.clone()).build();
+        for value in good.as_array().unwrap() {
+            let made = made(value).map(drop);
+            assert!(made.is_ok(), "{id}: {name} {value}: {made:?}");
+        }
+        for value in bad.as_array().unwrap() {
+            let error = made(value)
+                .map(drop)
+                .expect_err(&format!("{id}: {name} {value}"));
+            assert!(matches!(error, Error::InvalidArgument { .. }), "{error:?}");
+        }
+    }
 }

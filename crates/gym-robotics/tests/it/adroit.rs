@@ -77,3 +77,148 @@ fn success_is_told_after_steps() {
         assert!(id.contains("Pen") || step.reward == -0.1);
     }
 }
+
+/// Rewards near goals, which random actions do not reach. `adroit_rewards.py` recorded them.
+#[test]
+fn rewards_near_goals_are_the_packages() {
+    let hammer = json!({"board_pos": [0.05, 0.0, 0.2]});
+    let door = json!({"door_body_pos": [-0.05, 0.27, 0.29]});
+    let ball =
+        |x: f64, up: f64| json!({"obj_pos": [0.0, 0.0, 0.035], "target_pos": [x, 0.0, 0.035 + up]});
+    type Numbers = &'static [(usize, f64)];
+    let cases: [(&str, usize, Numbers, serde_json::Value, f64, bool); 14] = [
+        (
+            "AdroitHandDoor-v1",
+            30,
+            &[(28, 0.1)],
+            door.clone(),
+            -0.18437477934276006,
+            false,
+        ),
+        (
+            "AdroitHandDoor-v1",
+            30,
+            &[(28, 0.3)],
+            door.clone(),
+            1.8735613272257,
+            false,
+        ),
+        (
+            "AdroitHandDoor-v1",
+            30,
+            &[(28, 1.1)],
+            door.clone(),
+            10.029781456140386,
+            false,
+        ),
+        (
+            "AdroitHandDoor-v1",
+            30,
+            &[(28, 1.4)],
+            door.clone(),
+            20.05906723585121,
+            true,
+        ),
+        (
+            "AdroitHandHammer-v1",
+            33,
+            &[],
+            hammer.clone(),
+            -1.3686220251819108,
+            false,
+        ),
+        (
+            "AdroitHandHammer-v1",
+            33,
+            &[(26, 0.075)],
+            hammer.clone(),
+            24.322196937166446,
+            false,
+        ),
+        (
+            "AdroitHandHammer-v1",
+            33,
+            &[(26, 0.085)],
+            hammer.clone(),
+            99.41064474279892,
+            true,
+        ),
+        (
+            "AdroitHandHammer-v1",
+            33,
+            &[(26, 0.085), (28, 0.1)],
+            hammer.clone(),
+            101.43837686634085,
+            true,
+        ),
+        (
+            "AdroitHandHammer-v1",
+            33,
+            &[(28, -0.03)],
+            hammer.clone(),
+            -1.384811553679457,
+            false,
+        ),
+        (
+            "AdroitHandRelocate-v1",
+            36,
+            &[],
+            ball(0.3, 0.0),
+            0.02302589292971099,
+            false,
+        ),
+        (
+            "AdroitHandRelocate-v1",
+            36,
+            &[(32, 0.1)],
+            ball(0.3, 0.1),
+            0.6870014756330368,
+            false,
+        ),
+        (
+            "AdroitHandRelocate-v1",
+            36,
+            &[(32, 0.1)],
+            ball(0.08, 0.1),
+            10.871084477699846,
+            true,
+        ),
+        (
+            "AdroitHandRelocate-v1",
+            36,
+            &[(32, 0.1)],
+            ball(0.03, 0.1),
+            30.903399176834654,
+            true,
+        ),
+        (
+            "AdroitHandRelocate-v1",
+            36,
+            &[],
+            ball(0.03, 0.0),
+            30.02302589292971,
+            true,
+        ),
+    ];
+    for (id, size, numbers, places, reward, success) in cases {
+        let mut qpos = vec![0.0; size];
+        numbers
+            .iter()
+            .for_each(|&(index, number)| qpos[index] = number);
+        let mut state = places;
+        state["qpos"] = json!(qpos);
+        state["qvel"] = json!(vec![0.0; size]);
+        let mut env = make(id).unwrap();
+        env.reset(Reset::seed(1).option("initial_state_dict", state.clone()))
+            .unwrap();
+        let still = env.action_space().zero().unwrap();
+        let step = env.step(&still).unwrap();
+        assert!(
+            (step.reward - reward).abs() < 1e-12,
+            "{id} {state}: {}",
+            step.reward
+        );
+        let told = env.info_map().get("success").and_then(Value::as_bool);
+        assert_eq!(told, Some(success), "{id} {state}");
+    }
+}

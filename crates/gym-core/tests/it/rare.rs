@@ -2,9 +2,9 @@
 
 use gym_core::spaces::{BoxSpace, Discrete, OneOfSpace};
 use gym_core::vector::{AsyncVectorEnv, Autoreset, SyncVectorEnv, VectorReset};
-use gym_core::wrappers::PassiveEnvChecker;
+use gym_core::wrappers::{OrderEnforcing, PassiveEnvChecker, TimeLimit};
 use gym_core::{
-    DType, Env, EnvExt, Error, Generator, Outcome, Reset, Result, Space, Value, VectorEnv,
+    BoxEnv, DType, Env, EnvExt, Error, Generator, Outcome, Reset, Result, Space, Value, VectorEnv,
     VectorEnvExt,
 };
 
@@ -347,4 +347,73 @@ fn the_passive_checker_looks_until_it_has_seen_a_sound_answer() {
         );
         assert!(is_refused || answer.is_ok(), "{what}");
     }
+}
+
+/// Each wrapper names itself around what it wraps; a box does not.
+#[test]
+fn a_stack_describes_each_wrapper_once() {
+    let env = || Counter::new(9);
+    let limited = || TimeLimit::new(env(), 7).unwrap();
+    for (described, expected) in [
+        (env().describe(), "Counter"),
+        (limited().describe(), "<TimeLimit<Counter>>"),
+        (
+            OrderEnforcing::new(env()).describe(),
+            "<OrderEnforcing<Counter>>",
+        ),
+        (
+            PassiveEnvChecker::new(env()).describe(),
+            "<PassiveEnvChecker<Counter>>",
+        ),
+        (BoxEnv::new(limited()).describe(), "<TimeLimit<Counter>>"),
+        (
+            OrderEnforcing::new(limited()).describe(),
+            "<OrderEnforcing<TimeLimit<Counter>>>",
+        ),
+    ] {
+        assert_eq!(described, expected);
+    }
+}
+
+/// An environment whose info has two entries of one name: a wrapper adds its entry after the inner ones.
+#[derive(Clone, Debug)]
+struct Twice(Counter);
+
+impl Env for Twice {
+    type Observation = Value;
+    type Action = i64;
+
+    fn observation_space(&self) -> Space {
+        self.0.observation_space()
+    }
+
+    fn action_space(&self) -> Space {
+        self.0.action_space()
+    }
+
+    fn reset_into(&mut self, reset: &Reset, observation: &mut Value) -> Result<()> {
+        self.0.reset_into(reset, observation)
+    }
+
+    fn step_into(&mut self, action: &i64, observation: &mut Value) -> Result<Outcome> {
+        self.0.step_into(action, observation)
+    }
+
+    fn info(&self, visit: &mut dyn FnMut(&str, Value)) {
+        self.0.info(visit);
+        visit("steps", Value::Int(self.0.steps + 100));
+    }
+}
+
+#[test]
+fn of_two_entries_of_one_name_the_last_is_kept() {
+    let mut env = Twice(Counter::new(9));
+    env.reset(0).unwrap();
+    env.step(&0).unwrap();
+    let info = env.info_map();
+    assert_eq!((info.len(), &info["steps"]), (1, &Value::Int(101)));
+    let envs = [Twice(Counter::new(9)), Twice(Counter::new(9))];
+    let mut envs = SyncVectorEnv::new(envs).unwrap();
+    envs.reset(0).unwrap();
+    assert_eq!(envs.info_map(1)["steps"], Value::Int(100));
 }

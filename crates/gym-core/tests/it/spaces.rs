@@ -430,3 +430,95 @@ fn integers_near_the_limits_are_sampled_as_in_gymnasium() {
         }
     }
 }
+
+/// A value that is no element is refused in words that say which part of it is wrong, and why.
+#[test]
+fn wrong_values_are_told_apart() {
+    let int = Value::Int;
+    let word = |text: &str| Value::Text(text.into());
+    let number = |x: f32| Value::from([x, 0.0]);
+    let pair = || tuple([discrete(3, 1, DType::I64), text(2, "ab")]);
+    let named = || dict([("a", discrete(3, 0, DType::I64)), ("b", text(2, "ab"))]);
+    let choice = || one_of([discrete(3, 0, DType::I64), text(2, "ab")]);
+    let entries = |a: Value, b: Value| Value::Dict(vec![("a".into(), a), ("b".into(), b)]);
+    let mut wrong = Vec::new();
+    for (space, value, words) in [
+        (discrete(3, 1, DType::I64), int(0), "1 and 3"),
+        (discrete(3, 1, DType::I64), int(4), "1 and 3"),
+        (discrete(3, 1, DType::I64), word("a"), "a whole number"),
+        (uniform(-1.0, 1.0, &[2], DType::F32), number(1.5), "1.5"),
+        (uniform(-1.0, 1.0, &[2], DType::F32), number(-1.5), "-1.5"),
+        (
+            uniform(-1.0, 1.0, &[2], DType::F32),
+            number(f32::NAN),
+            "nan",
+        ),
+        (uniform(-1.0, 1.0, &[3], DType::F32), number(0.0), "(3,)"),
+        (bits(&[2]), Value::from([0_i8, 2]), "2 is neither 0 nor 1"),
+        (bits(&[2]), Value::from([-1_i8, 1]), "-1 is neither 0 nor 1"),
+        (text(3, "ab"), int(1), "a text"),
+        (text(3, "ab"), word("abca"), "4"),
+        (text(3, "ab"), word(""), "0"),
+        (text(3, "ab"), word("ac"), "'c' is not among the characters"),
+        (pair(), Value::Tuple(vec![int(1)]), "1"),
+        (pair(), Value::Tuple(vec![int(4), word("a")]), "[0]"),
+        (pair(), Value::Tuple(vec![int(3), word("c")]), "[1]"),
+        (pair(), int(1), "a tuple"),
+        (named(), entries(int(3), word("a")), "a"),
+        (named(), entries(int(2), word("aba")), "b"),
+        (named(), Value::Dict(vec![("a".into(), int(0))]), "b"),
+        (named(), int(1), "a dict"),
+        (choice(), int(1), "an index with a value"),
+        (
+            choice(),
+            Value::OneOf(2, Box::new(int(0))),
+            "the index 2 is not between 0 and 1",
+        ),
+        (choice(), Value::OneOf(1, Box::new(int(0))), "a text"),
+        (choice(), Value::OneOf(0, Box::new(int(3))), "0 and 2"),
+    ] {
+        let told = space.check(&value).err().map(|error| error.to_string());
+        if !told.as_deref().is_some_and(|told| told.contains(words)) {
+            wrong.push(format!("{value} in {space}: {told:?}"));
+        }
+        assert!(!space.contains(&value), "{value} in {space}");
+    }
+    assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+}
+
+/// What no space has is refused, one case for each part of a condition.
+#[test]
+fn impossible_spaces_are_refused() {
+    fn refused<T>(made: gym_core::Result<T>, words: &str) {
+        let told = made.err().map(|error| error.to_string());
+        assert!(
+            told.as_deref().is_some_and(|told| told.contains(words)),
+            "{words}: {told:?}"
+        );
+    }
+    refused(Discrete::new(0), "has no elements: n must be at least 1");
+    refused(Discrete::new(-1), "has no elements: n must be at least 1");
+    refused(Discrete::new(3).unwrap().with_dtype(DType::F32), "float32");
+    refused(
+        MultiDiscrete::new([3.5_f64]),
+        "give whole numbers that fit int64",
+    );
+    refused(MultiDiscrete::new([3, 0]), "[1]: n is 0");
+    let two = || MultiDiscrete::new([3, 4]).unwrap();
+    refused(
+        two().with_start([1]),
+        "start has shape (1,) and nvec has shape (2,)",
+    );
+    refused(
+        two().with_start([1, 2, 3]),
+        "start has shape (3,) and nvec has shape (2,)",
+    );
+    refused(two().with_dtype(DType::F64), "float64");
+    refused(MultiBinary::new([2, 0]), "cannot have shape (2, 0)");
+    refused(OneOfSpace::new([]), "OneOf() has no spaces to choose from");
+    refused(TextSpace::new(3, 2), "from 3 to 2");
+    let empty = TextSpace::new(1, 2).unwrap().with_charset("");
+    refused(empty, "the character set of a text is empty");
+    let twice = ["a", "b", "a"].map(|key| (key, discrete(2, 0, DType::I64)));
+    refused(DictSpace::new(twice), "a");
+}

@@ -101,7 +101,7 @@ def actuators():
             yield acting(f"on {number} {kind[:5]}", f"<{kind} {target}/>", spatial)
     cranks = '<site name="rail" pos="-.7 .1 .8" euler="0 80 0"/>'
     for rod in (".5", ".05"):
-        yield acting(f"crank {rod}", f'<motor cranksite="s1" slidersite="rail" cranklength="{rod}" gear="2"/><velocity cranksite="s2" slidersite="s0" cranklength="{rod}" kv="1"/>', world=cranks)
+        yield acting(f"crank {rod}", f'<motor cranksite="s1" slidersite="rail" cranklength="{rod}" gear="2"/><velocity cranksite="s2" slidersite="s0" cranklength="{rod}" kv="1"/><position cranksite="s1" slidersite="rail" cranklength="{rod}" kp="9"/>', world=cranks)
     for text in ('timeconst=".02 .05"', 'tausmooth=".3" range=".8 1.1"', 'force="20" scale="100"', 'lmin=".6" lmax="1.5" vmax="1.2" fpmax="1.1" fvmax="1.3"'):
         yield acting(f"muscle {text[:5]}", f'<muscle joint="hinge" {text}/><muscle tendon="t" lengthrange=".1 .4" {text}/>', spatial)
     for text in ('mode="all"', 'mode="muscleuser" useexisting="false"', 'mode="all" uselimit="true"', 'mode="all" accel="10" maxforce="5" timeconst=".5" timestep=".005" inttotal="4" tolrange=".2"'):

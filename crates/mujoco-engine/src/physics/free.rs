@@ -90,7 +90,11 @@ impl Free {
 /// `freeBias_vel_blocks`. The mass is left out of the force.
 fn gyroscopic(m: &Model, d: &Data, body: usize, first: usize) -> ([Vec3; 3], [Vec3; 3]) {
     let (mat, frame) = (&d.xmat[body], &d.ximat[body]);
-    let s = sub(d.xipos[body], d.xpos[body]);
+    let com = match m.revision.takes_inertia_of_com() {
+        true => d.subtree_com[body],
+        false => d.xipos[body],
+    };
+    let s = sub(com, d.xpos[body]);
     let w = rotate(mat, [3, 4, 5].map(|k| d.qvel[first + k]));
     let row = |mat: &Mat3, i: usize| [mat[3 * i], mat[3 * i + 1], mat[3 * i + 2]];
     let scaled = [0, 1, 2].map(|i| {

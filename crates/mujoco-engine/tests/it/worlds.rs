@@ -361,7 +361,7 @@ fn worlds_of_models_by_lot_have_the_bits_of_one() {
             contact_forces: true,
             reads: reads(&text),
         };
-        let added = Group::new(&model, &stride, level, 1).add(&Data::new(&model), [0.0; 2]);
+        let added = Group::new(&model, &stride, level, 1).add(&model, &Data::new(&model), [0.0; 2]);
         together += usize::from(added.is_some());
         compare(&text, 9);
     }

@@ -136,7 +136,7 @@ fn of_ellipsoids(
         let (by_w, by_v) = cross_slopes(scale(w, magnus), scale(v, magnus));
         put(&mut b, 3, 0, &by_w);
         put(&mut b, 3, 3, &by_v);
-        let shape = Scaled::new(v, size, m.revision);
+        let shape = Projected::new(v, size, m.revision);
         put(&mut b, 3, 3, &kutta_lift(&shape, density, kutta));
         let drag = drag(&shape, (density, viscosity), size, (blunt, slender));
         put(&mut b, 3, 3, &drag);
@@ -232,12 +232,19 @@ fn outer([x, y, z]: Vec3) -> Square {
     [[x * x, xy, xz], [xy, y * y, yz], [xz, yz, z * z]]
 }
 
-/// The velocity of an ellipsoid and its faces. From 3.17 on they are scaled, as for the forces, to a
-/// speed and a longest semiaxis of 1: else the limits of small divisors count for small bodies.
-struct Scaled {
+/// The velocity of an ellipsoid, its faces, and what is projected along the velocity. From 3.17 on the
+/// velocity has length 1 and the faces are those of an ellipsoid whose longest semiaxis is 1, divided by
+/// `above`, as for the forces: else the limits of small divisors count for small bodies.
+struct Projected {
     v: Vec3,
     /// The squares of the areas of the faces of the box around the ellipsoid.
     faces: Vec3,
+    /// The sum of the squares of `v`, each times its face; 1 from 3.17 on.
+    above: f64,
+    /// The sum of the squares of `v`, each times the square of its face.
+    below: f64,
+    /// The square of `v`; 1 from 3.17 on.
+    square: f64,
     /// The unit of areas.
     area: f64,
     /// The length of the velocity before it is scaled.
@@ -248,23 +255,38 @@ struct Scaled {
     direction: f64,
 }
 
-impl Scaled {
+impl Projected {
     fn new(v: Vec3, size: Vec3, revision: Revision) -> Self {
+        let weighted = |weights: Vec3, [x, y, z]: Vec3| {
+            weights[0] * (x * x) + weights[1] * (y * y) + weights[2] * (z * z)
+        };
+        let squared = |faces: Vec3| faces.map(|face| face * face);
         let speed = norm(v);
         if revision.scales_ellipsoids() {
             let most = largest_axes(size)[0];
+            let v = scale(v, inverse(speed));
+            let faces = faces(scale(size, inverse(most)));
+            let above = weighted(faces, v);
+            let faces = scale(faces, inverse(above));
             Self {
-                v: scale(v, inverse(speed)),
-                faces: faces(scale(size, inverse(most))),
-                area: most * most,
+                v,
+                faces,
+                above: 1.0,
+                below: weighted(squared(faces), v),
+                square: 1.0,
+                area: most * most * above.sqrt(),
                 speed,
                 unit: speed,
                 direction: speed,
             }
         } else {
+            let faces = faces(size);
             Self {
                 v,
-                faces: faces(size),
+                faces,
+                above: weighted(faces, v),
+                below: weighted(squared(faces), v),
+                square: weighted([1.0; 3], v),
                 area: 1.0,
                 speed,
                 unit: 1.0,
@@ -276,7 +298,7 @@ impl Scaled {
 
 /// The derivative of the drag by the velocity: MuJoCo's `mjd_viscous_drag`.
 fn drag(
-    shape: &Scaled,
+    shape: &Projected,
     (density, viscosity): (f64, f64),
     size: Vec3,
     (blunt, slender): (f64, f64),
@@ -287,8 +309,7 @@ fn drag(
     let [a, b, c] = shape.faces;
     let [x, y, z] = shape.v;
     let (xx, yy, zz) = (x * x, y * y, z * z);
-    let below = a * a * xx + b * b * yy + c * c * zz;
-    let above = a * xx + b * yy + c * zz;
+    let (above, below) = (shape.above, shape.below);
     let bend = PI * shape.area / f64::max(MINVAL, (above * above * above * below).sqrt());
     let area = PI * shape.area * (below / f64::max(MINVAL, above)).sqrt();
     let linear = viscosity * 3.0 * PI * diameter;
@@ -313,16 +334,14 @@ fn drag(
 }
 
 /// The derivative of the lift by the velocity: MuJoCo's `mjd_kutta_lift`.
-fn kutta_lift(shape: &Scaled, density: f64, kutta: f64) -> Square {
+fn kutta_lift(shape: &Projected, density: f64, kutta: f64) -> Square {
     let faces = shape.faces;
     let [a, b, c] = faces;
     let [x, y, z] = shape.v;
     let (xx, yy, zz) = (x * x, y * y, z * z);
-    let below = a * a * xx + b * b * yy + c * c * zz;
-    let above = a * xx + b * yy + c * zz;
-    let square = xx + yy + zz;
-    let factor = PI * kutta * density / f64::max(MINVAL, (below * above * square).sqrt());
-    let factor = factor * shape.area * shape.unit;
+    let (above, below, square) = (shape.above, shape.below, shape.square);
+    let factor = PI * kutta * density * shape.area * shape.unit;
+    let factor = factor / f64::max(MINVAL, (below * above * square).sqrt());
     let along = [
         yy * (a - b) + zz * (a - c),
         xx * (b - a) + zz * (b - c),

@@ -16,7 +16,11 @@ macro_rules! arrays {
         impl Arrays {
             pub(super) fn new(m: &Model) -> Self {
                 $(let $name: fn(&Model) -> usize = $length;)+
-                Self { $($name: vec![$zero; $name(m)],)+ }
+                let mut arrays = Self { $($name: vec![$zero; $name(m)],)+ };
+                for (row, &j) in arrays.stiffness.iter_mut().zip(&m.plan().springs) {
+                    *row = PerWorld([m.jnt_stiffness[j]; WORLDS]);
+                }
+                arrays
             }
 
             /// Fills with NaN what a step has written. (A few elements are the same in every state,

@@ -132,12 +132,8 @@ impl Batch {
                 Derived::GeomXpos | Derived::GeomXmat | Derived::SiteXpos
             )
         };
-        let mut arrays = Arrays::new(m);
-        for (row, &j) in arrays.stiffness.iter_mut().zip(&m.plan().springs) {
-            *row = PerWorld([m.jnt_stiffness[j]; WORLDS]);
-        }
         Self {
-            arrays,
+            arrays: Arrays::new(m),
             rows: Rows::new(m, keeps),
             settles: stride.settles,
             sensors,

@@ -196,6 +196,14 @@ def _reset(inner: Any, source: dict[str, Any], options: dict[str, Any] | None) -
     return inner.reset(options=options)[0]
 
 
+def _compared(observation: Any) -> Any:
+    """An observation without the score of CarRacing, whose digits are our own."""
+    if getattr(observation, "shape", None) == (96, 96, 3):
+        observation = observation.copy()
+        observation[87:92, :11] = 0
+    return observation
+
+
 def repeater(env: Env, cause: str) -> Callable[[Any], None]:
     """A function that lets the package's environment repeat the episode of ``env``.
 
@@ -226,7 +234,7 @@ def repeater(env: Env, cause: str) -> Callable[[Any], None]:
         inner.render_mode = mode
         words, drawn = native.generator(), getattr(inner, "_np_random", None)
         is_same = not (words and isinstance(drawn, np.random.Generator)) or words_of(drawn) == json.loads(words)
-        if not is_same or not same_values(observation, native.observation()):
+        if not is_same or not same_values(_compared(observation), _compared(native.observation())):
             raise gymnasium.error.Error(
                 f"{cause} needs the environment of the package {name}, whose installed version plays another episode than "
                 "this environment"

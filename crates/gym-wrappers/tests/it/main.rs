@@ -2,5 +2,6 @@
 
 mod episodes;
 mod restores;
+mod reverts;
 mod spy;
 mod wrappers;

@@ -262,6 +262,185 @@ fn constants_that_cannot_be_are_refused() {
     );
 }
 
+/// The numbers of the environments of this crate, and the largest that each may be below 0; 0 for one that must not be below
+/// it, and more for one that must not be 0 either.
+const LEAST: [(&str, &[(&str, f64)]); 5] = [
+    (
+        "Acrobot-v1",
+        &[
+            ("dt", -1e6),
+            ("LINK_LENGTH_1", 1e-6),
+            ("LINK_LENGTH_2", 1e-6),
+            ("LINK_MASS_1", 0.0),
+            ("LINK_MASS_2", 0.0),
+            ("LINK_COM_POS_1", -1e6),
+            ("LINK_COM_POS_2", -1e6),
+            ("LINK_MOI", 0.0),
+            ("MAX_VEL_1", 0.0),
+            ("MAX_VEL_2", 0.0),
+            ("torque_noise_max", -1e6),
+        ],
+    ),
+    (
+        "CartPole-v1",
+        &[
+            ("gravity", -1e6),
+            ("masscart", -1e6),
+            ("masspole", -1e6),
+            ("total_mass", -1e6),
+            ("length", -1e6),
+            ("polemass_length", -1e6),
+            ("force_mag", -1e6),
+            ("tau", -1e6),
+            ("theta_threshold_radians", 0.0),
+            ("x_threshold", 0.0),
+        ],
+    ),
+    (
+        "MountainCar-v0",
+        &[
+            ("min_position", -1e6),
+            ("max_position", -1e6),
+            ("max_speed", 0.0),
+            ("goal_position", -1e6),
+            ("force", -1e6),
+            ("gravity", -1e6),
+        ],
+    ),
+    (
+        "MountainCarContinuous-v0",
+        &[
+            ("min_action", -1e6),
+            ("max_action", -1e6),
+            ("min_position", -1e6),
+            ("max_position", -1e6),
+            ("max_speed", 0.0),
+            ("goal_position", -1e6),
+            ("power", -1e6),
+        ],
+    ),
+    (
+        "Pendulum-v1",
+        &[
+            ("g", -1e6),
+            ("m", -1e6),
+            ("l", -1e6),
+            ("max_speed", 0.0),
+            ("max_torque", 0.0),
+            ("dt", -1e6),
+        ],
+    ),
+];
+
+/// Each number is refused beyond its bounds, by its own name and with its own value: when the environment is made, and when
+/// the number is set later.
+#[test]
+fn every_constant_is_refused_by_its_own_name() {
+    for (id, numbers) in LEAST {
+        let table = find(id).unwrap().arguments().unwrap();
+        let names: Vec<_> = table
+            .iter()
+            .filter(|row| row.kind.starts_with("number") && row.name != "goal_velocity")
+            .map(|row| row.name)
+            .collect();
+        assert_eq!(
+            names,
+            numbers.iter().map(|(name, _)| *name).collect::<Vec<_>>(),
+            "{id}"
+        );
+        let mut env = builder(id).build().unwrap();
+        for &(name, least) in numbers {
+            let below = if least == 0.0 { -1e-9 } else { least - 1e-7 };
+            for value in [1e6_f64.next_up(), 2e6, below, -2e6] {
+                let told = format!("{name} is {value:?}: it must ");
+                let made = builder(id).arg(name, value).build().unwrap_err();
+                assert!(made.to_string().contains(&told), "{id}: {made}");
+                let own = env.inspect_mut().unwrap();
+                let set = own.set_argument(name, value.into()).unwrap_err();
+                assert!(set.to_string().contains(&told), "{id}: {set}");
+            }
+        }
+    }
+    for (torque, i) in [
+        ([2e6, 0.0, 1.0], 0),
+        ([-1.0, 2e6, 1.0], 1),
+        ([-1.0, 0.0, 2e6], 2),
+    ] {
+        let error = builder("Acrobot-v1")
+            .arg("AVAIL_TORQUE", torque.to_vec())
+            .build();
+        let error = error.unwrap_err().to_string();
+        assert!(
+            error.contains(&format!("AVAIL_TORQUE[{i}] is 2000000.0: it")),
+            "{error}"
+        );
+    }
+}
+
+/// Numbers by which the equations divide, or that follow from others, are refused by name where they would be 0.
+#[test]
+fn a_divisor_of_zero_is_refused_by_its_name() {
+    for (id, arguments, told) in [
+        ("CartPole-v1", &[("length", 0.0)][..], "length is 0.0"),
+        ("CartPole-v1", &[("total_mass", 9e-7)], "total_mass is 9e-7"),
+        (
+            "CartPole-v1",
+            &[("masscart", 2.0), ("masspole", -2.0)],
+            "total_mass is 0.0",
+        ),
+        (
+            "CartPole-v1",
+            &[("masspole", 3e5), ("length", 9.0)],
+            "polemass_length is 2700000.0",
+        ),
+        ("Pendulum-v1", &[("m", -9e-7)], "m is -9e-7"),
+        ("Pendulum-v1", &[("l", 0.0)], "l is 0.0"),
+        (
+            "Acrobot-v1",
+            &[("LINK_MOI", 0.0), ("LINK_MASS_1", 0.0)],
+            "LINK_MASS_1 * LINK_COM_POS_1^2 + LINK_MOI is 0.0",
+        ),
+        (
+            "Acrobot-v1",
+            &[("LINK_MOI", 0.0), ("LINK_COM_POS_2", 0.0)],
+            "LINK_MASS_2 * LINK_COM_POS_2^2 + LINK_MOI is 0.0",
+        ),
+    ] {
+        let all = arguments.iter();
+        let error = all
+            .fold(builder(id), |builder, (name, x)| builder.arg(name, *x))
+            .build();
+        let error = error.unwrap_err().to_string();
+        assert!(error.contains(&format!("{told}: it")), "{id}: {error}");
+    }
+}
+
+/// JSON has no NaN: only who makes the environment in Rust can give one.
+#[test]
+fn a_speed_at_the_goal_is_a_number() {
+    use gym_classic::{mountain_car as discrete, mountain_car_continuous as continuous};
+    let config = discrete::Config {
+        goal_velocity: f64::NAN,
+        ..Default::default()
+    };
+    let errors = [
+        discrete::MountainCar::new(config).unwrap_err(),
+        continuous::MountainCarContinuous::new(continuous::Config {
+            goal_velocity: f64::NAN,
+            ..Default::default()
+        })
+        .unwrap_err(),
+    ];
+    for error in errors {
+        assert!(
+            error
+                .to_string()
+                .contains("goal_velocity is NaN: it must be a number"),
+            "{error}"
+        );
+    }
+}
+
 /// For all constants that an environment accepts, the results of steps are finite. Constants that
 /// would lead to NaN or infinity, such as a length near 0, are errors.
 #[test]

@@ -282,6 +282,62 @@ fn recording_is_no_part_of_clones_and_snapshots() {
     );
 }
 
+/// A clone counts episodes and steps on from where the original is: with triggers of its own it records under the numbers
+/// under which the original goes on, with the same arguments.
+#[test]
+fn a_clone_counts_on() {
+    for (episodes, steps, expected) in [
+        (
+            0,
+            0,
+            "a-episode-1.gif a-step-0.gif a-step-1.gif a-step-2.gif a-step-3.gif a-step-4.gif a-step-5.gif",
+        ),
+        (
+            0,
+            2,
+            "a-episode-1.gif a-step-2.gif a-step-3.gif a-step-4.gif a-step-5.gif",
+        ),
+        (
+            2,
+            1,
+            "a-episode-3.gif a-step-10.gif a-step-11.gif a-step-7.gif a-step-8.gif a-step-9.gif",
+        ),
+    ] {
+        let folder = TempDir::new().unwrap();
+        let config = RecordVideoConfig {
+            name_prefix: "a".into(),
+            video_length: 2,
+            fps: Some(5),
+            ..folder.path().into()
+        };
+        let mut env = RecordVideo::new(drawn(), config).unwrap();
+        env = env.episode_trigger(|_| false);
+        play(&mut env, episodes);
+        env.reset(0).unwrap();
+        for _ in 0..steps {
+            env.step(&0).unwrap();
+        }
+        let clone = env.clone();
+        let recorded = [clone, env].map(|env| {
+            let mut env = env.episode_trigger(|_| true).step_trigger(|_| true);
+            while !env.step(&0).unwrap().done() {}
+            play(&mut env, 1);
+            drop(env);
+            let names = names(folder.path());
+            let files = names.iter().map(|name| folder.path().join(name));
+            let videos = files.clone().map(|file| fs::read(file).unwrap());
+            let videos: Vec<_> = videos.collect();
+            files.for_each(|file| fs::remove_file(file).unwrap());
+            (names.join(" "), videos)
+        });
+        assert_eq!(
+            recorded[0].0, expected,
+            "after {episodes} episodes and {steps} steps"
+        );
+        assert!(recorded[0] == recorded[1], "{expected}");
+    }
+}
+
 /// A restore drops the frames from before the restore, also the frames that the recorder has taken
 /// from the environment's list.
 #[test]

@@ -507,3 +507,62 @@ impl Inspect for SimEnv {
         self.task.goals()
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use gym_core::EnvExt;
+    use mujoco_engine::Model;
+
+    use super::*;
+    use crate::Common;
+
+    /// A pendulum that shows its state, and is never over.
+    #[derive(Debug)]
+    struct Swing;
+
+    impl SimTask for Swing {
+        fn start(&self, _: &mut Start<'_>) -> Result<()> {
+            Ok(())
+        }
+
+        fn observe(&self, _: &Model, data: &Data, out: &mut Observation) {
+            out.extend(data.qpos.iter().copied());
+        }
+    }
+
+    #[test]
+    fn an_episode_ends_at_the_limit_of_its_settings() {
+        const PENDULUM: &str = r#"<mujoco><worldbody><body><joint axis="0 1 0"/>
+            <geom type="capsule" fromto="0 0 0 0 0 -.5" size=".04"/></body></worldbody></mujoco>"#;
+        for (limit, last) in [
+            (None, None),
+            (Some(f64::INFINITY), None),
+            (Some(1.0), Some(1)),
+            (Some(2.5), Some(3)),
+            (Some(1000.0), Some(1000)),
+        ] {
+            let simulation = || {
+                let behind = Stepper::Behind {
+                    contact_forces: false,
+                };
+                Simulation::new(
+                    || Ok(Arc::new(Model::from_xml(PENDULUM).unwrap())),
+                    &Common::default(),
+                    behind,
+                )
+            };
+            let mut settings = Settings::new("Swing", &());
+            settings.limit = limit.unwrap_or(settings.limit);
+            let mut env = SimEnv::new(Arc::new(Swing), simulation().unwrap(), settings).unwrap();
+            for _ in 0..2 {
+                env.reset(0).unwrap();
+                let ends = (1..=2100).find(|_| {
+                    let step = env.step(&Array::from(Vec::<f32>::new())).unwrap();
+                    assert!(!step.terminated);
+                    step.truncated
+                });
+                assert_eq!(ends, last, "{limit:?}");
+            }
+        }
+    }
+}

@@ -100,3 +100,32 @@ impl Settings {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn settings_are_of_gymnasiums_kind_unless_given() {
+        let Settings {
+            name,
+            arguments,
+            version,
+            action_space,
+            flat,
+            dtype,
+            pixels,
+            size,
+            depth,
+            limit,
+            random_state,
+            start,
+            coloured,
+        } = Settings::new("Own", &[1, 2]);
+        assert_eq!((name, arguments, version), ("Own", json!([1, 2]), None));
+        assert_eq!((action_space, flat, dtype), (None, true, DType::F64));
+        assert_eq!((pixels, size, depth), (None, (480, 480), true));
+        assert_eq!((limit, random_state), (f64::INFINITY, false));
+        assert!(start == [None, None] && coloured.is_none());
+    }
+}

@@ -75,6 +75,29 @@ fn time_passes_at_a_speed() {
 }
 
 #[test]
+fn both_ends_of_the_speeds_are_taken_and_none_beyond() {
+    let mut viewer = viewer(BALL);
+    let [least, most] = [1.0_f64 / 1024.0, 1024.0];
+    for (speed, is_taken) in [
+        (least, true),
+        (least.next_down(), false),
+        (most, true),
+        (most.next_up(), false),
+        (1.0, true),
+        (-least, false),
+    ] {
+        let before = viewer.speed();
+        let told = viewer.set_speed(speed).map_err(|error| error.to_string());
+        assert_eq!(viewer.speed(), if is_taken { speed } else { before });
+        let expected = format!("{speed} is not from 0.0009765625 to 1024");
+        assert!(
+            told.map_or_else(|told| told.contains(&expected), |()| is_taken),
+            "{speed}"
+        );
+    }
+}
+
+#[test]
 fn keyframes_have_names_and_numbers() {
     let mut viewer = viewer(ARM);
     assert_eq!(crate::keyframes(viewer.model()), ["bent", "1"]);

@@ -4,7 +4,7 @@
 use gym_box2d::car_racing::{self, CarRacing};
 use gym_box2d::lunar_lander::{self, LunarLander};
 use gym_core::{BoxEnv, Env, EnvExt, Inspect, Outcome, Reset, Value, builder, make};
-use serde_json::json;
+use serde_json::{Value as Json, json};
 
 /// Returns the observations and rewards of `steps` steps with the action `action`.
 fn after(env: &mut BoxEnv, action: &Value, steps: usize) -> Vec<(Value, f64)> {
@@ -295,6 +295,96 @@ fn a_lap_needs_more_than_its_share() {
     );
     assert_eq!(ends("CarRacing-v2", less), (false, true, None));
     assert_eq!(ends("CarRacing-v2", share(count)), goes_on);
+}
+
+/// A car at the start that has visited some tiles, but not the first, with this share for a lap: in its next step the wheels
+/// come onto the tiles beneath them, of which only the first is new.
+fn before_the_first_tile(version: u32, visited: usize, percent: f64) -> CarRacing {
+    /// Says that no bodies touch.
+    fn lift(json: &mut Json) {
+        match json {
+            Json::Object(entries) => {
+                if let Some(touching) = entries.get_mut("touching") {
+                    *touching = json!(false);
+                }
+                entries.values_mut().for_each(lift);
+            }
+            Json::Array(items) => items.iter_mut().for_each(lift),
+            _ => (),
+        }
+    }
+    let mut car = CarRacing::with_version(car_racing::Config::default(), version).unwrap();
+    car.reset_state(&0.into()).unwrap();
+    let mut stored = json!(car.snapshot().unwrap());
+    let episode = &mut stored["episode"];
+    let tiles = episode["visited"].as_array_mut().unwrap();
+    // (all tiles at the start, at either end of the list, but the first)
+    let n = tiles.len();
+    for (i, tile) in tiles.iter_mut().enumerate() {
+        *tile = json!(i > 0 && (i <= visited - 10 || i >= n - 10));
+    }
+    episode["tile_visited_count"] = json!(visited);
+    episode["lap_complete_percent"] = json!(percent);
+    // the tiles of the start were paid for
+    episode["reward"] = json!(0.0);
+    lift(&mut episode["world"]);
+    car.restore(&serde_json::from_value(stored).unwrap())
+        .unwrap();
+    car
+}
+
+/// The tile that is entered counts, whatever share a lap needs, and is paid for.
+#[test]
+fn the_first_tile_ends_a_lap_together_with_those_before() {
+    for version in [2, 3] {
+        for visited in [30, 100, 200] {
+            let step = |percent: f64| {
+                let mut car = before_the_first_tile(version, visited, percent);
+                let tiles = car.track().unwrap().len() as f64;
+                let outcome = car.step_state(&[0.0; 3].into()).unwrap();
+                assert_eq!(car.state().unwrap().tiles_visited, visited + 1);
+                let reward = 1000.0 / tiles - 0.1;
+                assert!((outcome.reward - reward).abs() < 1e-9, "{outcome:?}");
+                outcome.done()
+            };
+            let car = before_the_first_tile(version, visited, 0.5);
+            let tiles = car.track().unwrap().len() as f64;
+            let share = (visited + 1) as f64 / tiles;
+            for (percent, ends) in [
+                (share, false),
+                (share.next_down(), true),
+                (visited as f64 / tiles, true),
+                ((visited + 2) as f64 / tiles, false),
+                (0.0, true),
+                (1.0, false),
+            ] {
+                assert_eq!(step(percent), ends, "{visited} of {tiles}, {percent}");
+            }
+        }
+    }
+}
+
+/// Each step pays for the tiles that it visits, and costs 0.1; the first also pays for those of the reset.
+#[test]
+fn each_new_tile_is_paid_for_in_its_step() {
+    for seed in [0, 1] {
+        let mut car = CarRacing::new(car_racing::Config::default()).unwrap();
+        car.reset_state(&seed.into()).unwrap();
+        let (tiles, mut before) = (car.track().unwrap().len() as f64, 0);
+        let mut paid = 0;
+        for _ in 0..150 {
+            let outcome = car.step_state(&[0.0, 0.3, 0.0].into()).unwrap();
+            let now = car.state().unwrap().tiles_visited;
+            let expected = (now - before) as f64 * 1000.0 / tiles - 0.1;
+            assert!(
+                (outcome.reward - expected).abs() < 1e-9,
+                "{outcome:?}, {before} to {now}"
+            );
+            paid += usize::from(now > before);
+            before = now;
+        }
+        assert!(paid > 5, "{paid}");
+    }
 }
 
 /// If `lap_complete_percent` is above 1, the episode ends with the last tile.

@@ -345,3 +345,157 @@ fn each_refusal_says_what_is_wrong() {
     }
     assert!(wrong.is_empty(), "{}", wrong.join("\n\n"));
 }
+
+/// A line with a right element of each kind that a world may have twice.
+const GOOD_PARTS: &str = r#"<body><inertial pos="0 0 0" mass="1" diaginertia="1 1 1"/><joint axis="1 0 0"/><geom type="capsule" size=".1" fromto="0 0 0 0 0 1"/></body><body><freejoint/><geom type="box" size=".1 .1 .1" quat="1 0 0 0"/></body><body mocap="true"/><geom type="plane" size="1 1 1"/><site size=".1"/><camera pos="0 0 1"/><light pos="0 0 1"/><frame pos="0 0 1"/>"#;
+
+/// A line with a right element of each kind that a section may have twice.
+const GOOD_SECTIONS: &str = r#"<asset><mesh name="good" vertex="0 0 0 1 0 0 0 1 0 0 0 1"/><hfield name="good" nrow="2" ncol="2" size="1 1 1 1"/><texture name="good" builtin="flat" width="4" height="4"/><material name="good" texture="good"/></asset><contact><pair name="good" geom1="g" geom2="h"/><exclude body1="b" body2="f"/></contact><tendon><spatial name="good" range="0 1"><site site="s"/><geom geom="g"/><site site="t"/></spatial><fixed name="fine"><joint joint="j" coef="1"/></fixed></tendon><equality><connect name="good" body1="b" anchor="0 0 0"/><weld body1="f"/><joint joint1="j"/><tendon tendon1="good"/></equality><actuator><general name="good" joint="j"/><motor joint="j"/><position joint="j" kp="1"/><muscle tendon="good" lengthrange="0 1"/></actuator><sensor><jointpos name="good" joint="j"/><ballquat joint="ball"/><framequat objtype="body" objname="b"/><touch site="s"/></sensor><keyframe><key name="good" time="1"/></keyframe><option timestep=".001"/><compiler angle="radian"/><default><default class="good"/></default>"#;
+
+/// Elements of a section after others of their kind, each with what the others have not: a fault.
+const SECOND: &[(&str, &str)] = &[
+    (
+        r#"<asset><mesh name="good" vertex="0 0 0 1 0 0 0 1 0 0 0 1"/></asset>"#,
+        "mesh",
+    ),
+    (
+        r#"<asset><mesh name="n" vertex="0 0 0 1 0 0 0 1 0"/></asset>"#,
+        "mesh",
+    ),
+    (r#"<asset><mesh name="n" file="none.stl"/></asset>"#, "mesh"),
+    (
+        r#"<asset><hfield name="good" nrow="2" ncol="2" size="1 1 1 1"/></asset>"#,
+        "hfield",
+    ),
+    (
+        r#"<asset><hfield name="n" file="none.png" size="1 1 1 1"/></asset>"#,
+        "hfield",
+    ),
+    (
+        r#"<asset><texture name="n" type="2d" file="none.png"/></asset>"#,
+        "texture",
+    ),
+    (
+        r#"<asset><material name="n" texture="none"/></asset>"#,
+        "material",
+    ),
+    (
+        r#"<contact><pair geom1="g" geom2="none"/></contact>"#,
+        "pair",
+    ),
+    (r#"<contact><pair geom1="g"/></contact>"#, "pair"),
+    (
+        r#"<contact><exclude body1="b" body2="none"/></contact>"#,
+        "exclude",
+    ),
+    (
+        r#"<tendon><spatial range="1 0"><site site="s"/><site site="t"/></spatial></tendon>"#,
+        "spatial",
+    ),
+    (
+        r#"<tendon><spatial springlength="2 1"><site site="s"/><site site="t"/></spatial></tendon>"#,
+        "spatial",
+    ),
+    (
+        r#"<tendon><spatial><site site="s"/></spatial></tendon>"#,
+        "spatial",
+    ),
+    (
+        r#"<tendon><spatial><site site="s"/><site site="none"/></spatial></tendon>"#,
+        "site",
+    ),
+    (
+        r#"<tendon><spatial><site site="s"/><geom geom="g" sidesite="none"/><site site="t"/></spatial></tendon>"#,
+        "geom",
+    ),
+    (
+        r#"<tendon><fixed><joint joint="none" coef="1"/></fixed></tendon>"#,
+        "joint",
+    ),
+    (
+        r#"<tendon><fixed name="fine"><joint joint="j" coef="1"/></fixed></tendon>"#,
+        "fixed",
+    ),
+    (
+        r#"<equality><connect body1="none" anchor="0 0 0"/></equality>"#,
+        "connect",
+    ),
+    (r#"<equality><weld body1="none"/></equality>"#, "weld"),
+    (r#"<equality><joint joint1="none"/></equality>"#, "joint"),
+    (r#"<equality><joint joint1="ball"/></equality>"#, "joint"),
+    (r#"<equality><tendon tendon1="none"/></equality>"#, "tendon"),
+    (r#"<actuator><general joint="none"/></actuator>"#, "general"),
+    (
+        r#"<actuator><general name="good" joint="j"/></actuator>"#,
+        "general",
+    ),
+    (
+        r#"<actuator><motor joint="j" ctrlrange="1 0"/></actuator>"#,
+        "motor",
+    ),
+    (
+        r#"<actuator><motor joint="j" forcerange="1 0"/></actuator>"#,
+        "motor",
+    ),
+    (r#"<actuator><motor site="none"/></actuator>"#, "motor"),
+    (r#"<actuator><motor tendon="none"/></actuator>"#, "motor"),
+    (
+        r#"<actuator><motor cranksite="s" slidersite="none" cranklength="1"/></actuator>"#,
+        "motor",
+    ),
+    (
+        r#"<actuator><position site="s" refsite="none"/></actuator>"#,
+        "position",
+    ),
+    (
+        r#"<actuator><adhesion body="none" ctrlrange="0 1"/></actuator>"#,
+        "adhesion",
+    ),
+    (r#"<actuator><muscle tendon="good"/></actuator>"#, "muscle"),
+    (r#"<sensor><jointpos joint="none"/></sensor>"#, "jointpos"),
+    (
+        r#"<sensor><jointpos name="good" joint="j"/></sensor>"#,
+        "jointpos",
+    ),
+    (r#"<sensor><jointpos joint="ball"/></sensor>"#, "jointpos"),
+    (r#"<sensor><touch site="none"/></sensor>"#, "touch"),
+    (
+        r#"<sensor><framepos objtype="body" objname="b" reftype="site" refname="none"/></sensor>"#,
+        "framepos",
+    ),
+    (r#"<keyframe><key mpos="1"/></keyframe>"#, "key"),
+    (r#"<keyframe><key name="good"/></keyframe>"#, "key"),
+    (
+        r#"<keyframe><key ctrl="1 2 3 4 5 6 7 8 9"/></keyframe>"#,
+        "key",
+    ),
+];
+
+/// After right elements of its kind, a wrong one is named by its own line, not by theirs.
+#[test]
+fn the_second_of_two_elements_is_named_by_its_line() {
+    let world =
+        |part: &str| format!("<mujoco><worldbody>\n{GOOD_PARTS}\n{part}\n</worldbody></mujoco>");
+    let section = |part: &str| {
+        format!("<mujoco><worldbody>{WORLD}</worldbody>\n{GOOD_SECTIONS}\n{part}\n</mujoco>")
+    };
+    // the elements before are right
+    for text in [world(""), section("")] {
+        Model::from_xml(&text).unwrap();
+    }
+    let parts = PARTS.iter().map(|(part, _)| (world(part), ""));
+    let sections = SECTIONS.iter().map(|(part, _)| (section(part), ""));
+    let second = SECOND.iter().map(|(part, name)| (section(part), *name));
+    let mut wrong = Vec::new();
+    for (text, name) in parts.chain(sections).chain(second) {
+        let told = Model::from_xml(&text).err().map(|error| error.to_string());
+        let start = format!("line 3: <{name}");
+        if !told.as_deref().is_some_and(|told| told.starts_with(&start)) {
+            wrong.push(format!(
+                "{}\n{start}\n{told:?}",
+                text.lines().nth(2).unwrap()
+            ));
+        }
+    }
+    assert!(wrong.is_empty(), "{}", wrong.join("\n\n"));
+}

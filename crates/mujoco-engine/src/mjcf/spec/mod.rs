@@ -114,11 +114,13 @@ pub(crate) struct Spec {
 }
 
 impl Spec {
-    /// Adds a line and element of the XML to `error`, an error of the compiled model.
+    /// Adds a line and element of the XML to `error`, an error of the compiled model, if it has none.
     pub(crate) fn located(&self, error: Error) -> Error {
         match self.bodies.first() {
-            Some(world) => world.place.error(error.to_string()),
-            None => error,
+            Some(world) if !matches!(error, Error::Mjcf { .. }) => {
+                world.place.error(error.to_string())
+            }
+            _ => error,
         }
     }
 }

@@ -12,6 +12,7 @@ mod defaults;
 mod fields;
 mod frames;
 mod hfields;
+mod iterations;
 mod language;
 mod limits;
 mod memory;

@@ -49,3 +49,17 @@ fn frame(env: &mut BoxEnv) -> Result<Frame> {
         .into_frame()
         .ok_or_else(|| Error::Contract(format!("{env} renders no frame")))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// `cargo xtask docs --draw` redraws it.
+    #[test]
+    fn the_sheet_is_as_kept() {
+        let (path, drawn) = document().unwrap();
+        let root = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
+        let kept = std::fs::read(root.join(&path)).unwrap();
+        assert!(drawn == kept, "{} is another picture", path.display());
+    }
+}

@@ -119,12 +119,13 @@ type Work = Box<dyn FnMut(u64) -> Result<u64>>;
 
 pub(crate) fn bench(arguments: &Arguments, workspace: &Workspace) -> Result<()> {
     if let Some(steps) = arguments.only_steps {
-        let (Some(id), Some(kind), Some(n)) = (
-            arguments.ids.first(),
-            arguments.kind.first(),
-            arguments.num_envs.first(),
+        let ([id], [kind], [n]) = (
+            &arguments.ids[..],
+            &arguments.kind[..],
+            &arguments.num_envs[..],
         ) else {
-            return Err(Error::custom("name an id, a kind and a number"));
+            let reason = "name an id, a kind and a number, one of each";
+            return Err(Error::custom(reason));
         };
         if let Some(mut work) = work(id, *kind, *n)? {
             work(steps)?;

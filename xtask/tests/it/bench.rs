@@ -26,6 +26,46 @@ fn seconds_of_a_benchmark_are_a_time() {
     );
 }
 
+/// Of two ids, kinds or sizes one would be left out.
+#[test]
+fn steps_alone_are_of_one_environment() {
+    let one = ["bench", "CartPole-v1", "--kind", "make", "--num-envs", "1"];
+    let with = |more: &[&'static str]| [&one[..], more, &["--only-steps", "1"]].concat();
+    assert_eq!(prints(&with(&[])), "");
+    for more in [&["Taxi-v4"][..], &["--kind", "sync"], &["--num-envs", "2"]] {
+        let error = fails(&with(more));
+        assert!(
+            error.contains("name an id, a kind and a number, one of each"),
+            "{more:?}: {error}"
+        );
+    }
+    let without = [&one[..1], &one[2..], &["--only-steps", "1"]].concat();
+    assert!(fails(&without).contains("one of each"), "no id");
+}
+
+/// Each of several ids, kinds and sizes is measured, in the order in which they are named.
+#[test]
+fn several_environments_are_measured_in_their_order() {
+    let table = prints(&[
+        "bench",
+        "Taxi-v4",
+        "CartPole-v1",
+        "--kind",
+        "sync,make",
+        "--num-envs",
+        "3,2",
+        "--seconds",
+        "0",
+    ]);
+    let rows = table.lines().skip(1).map(|line| {
+        let words = line.split_whitespace().take(3);
+        words.collect::<Vec<_>>().join(" ")
+    });
+    let rows: Vec<_> = rows.collect();
+    let of = |id: &str| [" sync 3", " sync 2", " make 1"].map(|kind| format!("{id}{kind}"));
+    assert_eq!(rows, [of("Taxi-v4"), of("CartPole-v1")].concat());
+}
+
 /// `bench --instructions` counts what `valgrind` counts: here a program that stands in for it.
 #[cfg(unix)]
 #[test]

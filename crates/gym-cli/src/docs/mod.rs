@@ -101,6 +101,59 @@ fn settle(documents: Vec<Document>, folder: &Path, is_check: bool) -> Result<()>
 mod tests {
     use super::*;
 
+    /// A book whose table of contents are the entries, with a page of its own, and a fault if there is a file `fault`.
+    #[cfg(unix)]
+    const BOOK: Book = Book {
+        contents: |_, entries| Ok(("docs/SUMMARY.md".into(), entries.into())),
+        below_list: "",
+        no_difference: "",
+        documents: |_, _| Ok(vec![("docs/own.md".into(), b"own".to_vec())]),
+        check: |folder| match folder.join("fault").exists() {
+            true => Err(Error::custom("the book has a fault")),
+            false => Ok(()),
+        },
+    };
+
+    #[cfg(unix)]
+    #[test]
+    fn a_check_compares_the_pages_the_contents_and_what_the_book_adds() {
+        let folder = std::env::temp_dir().join(format!("gym-cli-book-{}", std::process::id()));
+        std::fs::create_dir(&folder).unwrap();
+        std::fs::write(folder.join("Cargo.lock"), "").unwrap();
+        // the texts of the pages are those of the modules
+        let crates = Path::new(env!("CARGO_MANIFEST_DIR")).parent().unwrap();
+        std::os::unix::fs::symlink(crates, folder.join("crates")).unwrap();
+        let workspace = Workspace::of(&folder.join("xtask"));
+        let docs = |check: bool| {
+            let arguments = Arguments {
+                measure: false,
+                draw: false,
+                check,
+            };
+            docs(&arguments, &workspace, Some(&BOOK)).map_err(|error| error.to_string())
+        };
+        docs(false).unwrap();
+        docs(true).unwrap();
+        for name in [
+            "docs/own.md",
+            "docs/SUMMARY.md",
+            "docs/environments/cartpole.md",
+        ] {
+            let file = folder.join(name);
+            let right = std::fs::read(&file).unwrap();
+            std::fs::write(&file, [&right[..], b"x"].concat()).unwrap();
+            let error = docs(true).unwrap_err();
+            assert_eq!(
+                error,
+                format!("{name} is out of date: run `cargo xtask docs`")
+            );
+            std::fs::write(&file, right).unwrap();
+        }
+        std::fs::write(folder.join("fault"), "").unwrap();
+        assert_eq!(docs(true).unwrap_err(), "the book has a fault");
+        std::fs::remove_dir_all(&folder).unwrap();
+    }
+
     #[test]
     fn a_document_that_differs_is_an_error_or_written() {
         let folder = std::env::temp_dir().join(format!("gym-cli-docs-{}", std::process::id()));

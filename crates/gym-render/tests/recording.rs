@@ -338,6 +338,66 @@ fn a_clone_counts_on() {
     }
 }
 
+/// An environment that shows how many pictures of it were drawn before, as it was told, as a bar.
+#[derive(Clone, Debug)]
+struct Told(u64);
+
+impl Env for Told {
+    type Observation = i64;
+    type Action = i64;
+
+    fn observation_space(&self) -> Space {
+        Space::discrete(1)
+    }
+
+    fn action_space(&self) -> Space {
+        Space::discrete(1)
+    }
+
+    fn reset_into(&mut self, _: &Reset, _: &mut i64) -> Result<()> {
+        Ok(())
+    }
+
+    fn step_into(&mut self, _: &i64, _: &mut i64) -> Result<Outcome> {
+        Ok(Outcome::default())
+    }
+
+    fn metadata(&self) -> Metadata {
+        Metadata::drawn(10, (8, 4))
+    }
+
+    fn frames_drawn(&mut self, count: u64) {
+        self.0 = count;
+    }
+
+    fn draw(&self, canvas: &mut dyn Canvas) {
+        canvas.clear(Color::WHITE);
+        canvas.rect([0.0, 0.0], [self.0 as f64, 4.0], Color::BLACK);
+    }
+}
+
+/// A clone renders in the same mode and size, and counts its pictures on.
+#[test]
+fn a_clone_that_renders_goes_on() {
+    for pictures in [0, 1, 3] {
+        let mut env = Render::new(Told(9), RenderMode::RgbArray).unwrap();
+        env = env.with_size(16, 8).unwrap();
+        env.reset(0).unwrap();
+        for _ in 0..pictures {
+            env.render().unwrap();
+        }
+        let mut clone = env.clone();
+        assert_eq!(clone.render_mode(), Some(RenderMode::RgbArray));
+        for drawn in pictures..pictures + 3 {
+            let [a, b] = [&mut env, &mut clone].map(|env| env.render().unwrap().into_frame());
+            let row = &a.as_ref().unwrap().pixels()[..3 * 16];
+            let black = row.chunks(3).filter(|pixel| **pixel == [0; 3]).count();
+            assert_eq!(black, 2 * drawn, "after {pictures} pictures");
+            assert!(a == b, "after {pictures} pictures, {drawn}");
+        }
+    }
+}
+
 /// A restore drops the frames from before the restore, also the frames that the recorder has taken
 /// from the environment's list.
 #[test]

@@ -214,6 +214,9 @@ twists! {
             }))
         })) {}
 
+    "registration-sound.damaged-policy" HasADamagedPolicy,
+        policy(policy::Policy::trained("is damaged", |_| Err(Error::custom("it is damaged")))) {}
+
     // the policy fits some arguments, and only one action has a name and a key
     "none.partly-registered" IsPartlyRegistered (Number), reset_options(&[("start", "0.25")]),
         actions(&[("Left", "left")]), keys(|_| Keys::new(keys::json!({"Left": 0})).repeat()),
@@ -239,7 +242,6 @@ inspected! {
         }
 
         fn set_state(env: &mut Of<Self>, state: Json) -> Result<()> {
-            set_pace(env, &json!({"pace": 2.0}), |_| true)?;
             set_pace(env, &state, |pace| (0.0..10.0).contains(&pace))
         }
     }

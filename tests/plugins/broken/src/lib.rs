@@ -12,6 +12,7 @@ mod faces;
 mod fault;
 mod pairs;
 mod reach;
+mod seldom;
 mod twisted;
 mod twists;
 mod variants;

@@ -49,9 +49,17 @@ enum Fault {
     InfosRestored,
     /// An action outside of the space of the second sub-environment counts as 0.
     OneRefusal,
+    /// A step before the first reset begins an episode.
+    Unreset,
+    /// A step without actions takes the first action everywhere.
+    NoActions,
+    /// A vector refuses its own snapshot.
+    OwnSnapshot,
+    /// A reset of some sub-environments is refused.
+    Masked,
 }
 
-const FAULTS: [Fault; 22] = [
+const FAULTS: [Fault; 26] = [
     Fault::None,
     Fault::Final,
     Fault::Mask,
@@ -74,6 +82,10 @@ const FAULTS: [Fault; 22] = [
     Fault::RefusedReset,
     Fault::InfosRestored,
     Fault::OneRefusal,
+    Fault::Unreset,
+    Fault::NoActions,
+    Fault::OwnSnapshot,
+    Fault::Masked,
 ];
 
 struct Vector {
@@ -118,6 +130,10 @@ impl VectorWrapper for Vector {
 
     fn on_reset(&mut self, reset: &VectorReset, columns: &mut Columns) -> Result<()> {
         let mut reset = reset.clone();
+        let n = self.envs.num_envs();
+        if self.fault == Fault::Masked && reset.mask.as_ref().is_some_and(|mask| mask.len() == n) {
+            return Err(Error::custom("all or none"));
+        }
         match self.fault {
             Fault::Mask => reset.mask = None,
             Fault::Options => reset.options.clear(),
@@ -158,7 +174,14 @@ impl VectorWrapper for Vector {
             return Err(Error::Closed("step"));
         }
         self.is_restored = false;
+        if self.fault == Fault::Unreset && !self.is_begun {
+            self.envs.reset_into(&1.into(), columns)?;
+            self.is_begun = true;
+        }
         let actions = &match actions {
+            Value::Null if self.fault == Fault::NoActions => {
+                Value::from(vec![0_i64; self.envs.num_envs()])
+            }
             Value::Array(array) if self.fault == Fault::OneRefusal => {
                 let mut numbers: Vec<i64> = array.iter_f64().map(|x| x as i64).collect();
                 if let Some(second) = numbers.get_mut(1).filter(|x| !(0..2).contains(*x)) {
@@ -231,6 +254,9 @@ impl VectorWrapper for Vector {
     }
 
     fn on_restore(&mut self, snapshot: &Snapshot) -> Result<()> {
+        if self.fault == Fault::OwnSnapshot {
+            return Err(Error::Snapshot("it is of another vector".into()));
+        }
         let restored = self.envs.restore(snapshot);
         if self.fault == Fault::AnySnapshot {
             return Ok(());
@@ -289,4 +315,8 @@ register! {
     "vector-equal.refused-reset" = 19;
     "vector-equal.infos-restored" = 20;
     "vector-equal.one-refusal" = 21;
+    "vector-equal.unreset" = 22;
+    "vector-equal.no-actions" = 23;
+    "vector-equal.own-snapshot" = 24;
+    "vector-equal.masked" = 25;
 }

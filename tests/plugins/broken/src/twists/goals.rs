@@ -62,6 +62,23 @@ impl Goals for Endless {
     }
 }
 
+/// Goals of two numbers.
+struct Two;
+
+impl Goals for Two {
+    fn goal_len(&self) -> usize {
+        2
+    }
+
+    fn compute_reward(&self, achieved: &[f64], desired: &[f64]) -> f64 {
+        Near.compute_reward(achieved, desired)
+    }
+
+    fn compute_terminated(&self, achieved: &[f64], desired: &[f64]) -> bool {
+        Near.compute_terminated(achieved, desired)
+    }
+}
+
 macro_rules! inspect {
     ($($Goals:ident)+) => {$(
         impl Inspect for $Goals {
@@ -75,7 +92,7 @@ macro_rules! inspect {
         }
     )+};
 }
-inspect!(Near OtherColumns Endless);
+inspect!(Near OtherColumns Endless Two);
 
 fn space(desired: &str) -> Space {
     let place = || Space::boxed([-1.0], [1.0]);
@@ -207,6 +224,30 @@ twists! {
 
         fn step(env: &mut Of<Self>, action: &Value, observation: &mut Value) -> Result<Outcome> {
             step_of(env, action, "desired_goal", observation)
+        }
+    }
+
+    "goals-agree.length" HasShorterGoals, exceptions(ANEW) {
+        fn observation_space(_: &Of<Self>) -> Space {
+            space("desired_goal")
+        }
+
+        fn reset(env: &mut Of<Self>, reset: &Reset, observation: &mut Value) -> Result<()> {
+            reset_of(env, reset, "desired_goal", observation)
+        }
+
+        fn inspect(_: &Of<Self>) -> Option<&dyn Inspect> {
+            Some(&Two)
+        }
+
+        fn step(env: &mut Of<Self>, action: &Value, observation: &mut Value) -> Result<Outcome> {
+            step_of(env, action, "desired_goal", observation)
+        }
+    }
+
+    "goals-agree.no-dict" ShowsNoGoals {
+        fn inspect(_: &Of<Self>) -> Option<&dyn Inspect> {
+            Some(&Near)
         }
     }
 }

@@ -11,7 +11,7 @@ use gym_render as _;
 use gym_wrappers as _;
 
 /// The reports, made once, because some faults depend on earlier calls in the process.
-static REPORTS: LazyLock<Vec<Report>> = LazyLock::new(|| {
+pub(crate) static REPORTS: LazyLock<Vec<Report>> = LazyLock::new(|| {
     gym_conform::reports(&gym_conform::ids_of("broken-envs")).expect("the ids are registered")
 });
 

@@ -2,5 +2,6 @@
 
 mod bites;
 mod matching;
+mod told;
 mod wrapped;
 mod wrong_wrappers;

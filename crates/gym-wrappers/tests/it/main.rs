@@ -4,4 +4,5 @@ mod episodes;
 mod restores;
 mod reverts;
 mod spy;
+mod unfit;
 mod wrappers;

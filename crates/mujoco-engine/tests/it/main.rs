@@ -10,6 +10,7 @@ mod contacts;
 mod copies;
 mod defaults;
 mod fields;
+mod fits;
 mod frames;
 mod hfields;
 mod iterations;

@@ -44,8 +44,10 @@ fn echo(dtype: DType) -> BoxEnv {
     BoxEnv::new(Echo(BoxSpace::with_dtype(low, high, dtype).unwrap()))
 }
 
-/// Two elements of the box, the indices of their bins (of 4 and 2), and the lower and upper edges of the bins.
-const BINS: [([f64; 2], [i64; 2], [f64; 2], [f64; 2]); 6] = [
+/// An element of the box, the indices of its bins (of 4 and 2), and the lower and the upper edges of the bins.
+type Binned = ([f64; 2], [i64; 2], [f64; 2], [f64; 2]);
+
+const BINS: [Binned; 6] = [
     ([0.0, -1.0], [0, 0], [0.0, -1.0], [0.25, 1.0]),
     ([0.0, 3.0], [0, 1], [0.0, 1.0], [0.25, 3.0]),
     ([0.25, 0.5], [1, 0], [0.25, -1.0], [0.5, 1.0]),

@@ -90,9 +90,10 @@ impl Free {
 /// `freeBias_vel_blocks`. The mass is left out of the force.
 fn gyroscopic(m: &Model, d: &Data, body: usize, first: usize) -> ([Vec3; 3], [Vec3; 3]) {
     let (mat, frame) = (&d.xmat[body], &d.ximat[body]);
-    let com = match m.revision.takes_inertia_of_com() {
-        true => d.subtree_com[body],
-        false => d.xipos[body],
+    let com = if m.revision.takes_centre_of_tree() {
+        d.subtree_com[body]
+    } else {
+        d.xipos[body]
     };
     let s = sub(com, d.xpos[body]);
     let w = rotate(mat, [3, 4, 5].map(|k| d.qvel[first + k]));
@@ -102,7 +103,7 @@ fn gyroscopic(m: &Model, d: &Data, body: usize, first: usize) -> ([Vec3; 3], [Ve
         [0, 1, 2].map(|k| row[k] * inertia[k])
     });
     let [xx, yy, zz, xy, xz, yz, ..] = d.cinert[body];
-    let inertia: Mat3 = if m.revision.takes_inertia_of_com() {
+    let inertia: Mat3 = if m.revision.takes_centre_of_tree() {
         [xx, xy, xz, xy, yy, yz, xz, yz, zz]
     } else {
         std::array::from_fn(|n| {

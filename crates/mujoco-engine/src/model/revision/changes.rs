@@ -126,8 +126,9 @@ changes! {
     derives_at_clamped_controls since V3_17;
     /// Implicit integrators derive no force that the range of its joint or tendon clamps.
     leaves_clamped_forces since V4_0;
-    /// The inertia of a free body in implicit integration is that about the centre of mass.
-    takes_inertia_of_com since V3_17;
+    /// Implicit integrators derive the gyroscopic forces of a free body about the centre of mass of its
+    /// tree, with the inertia that is computed there.
+    takes_centre_of_tree since V3_17;
     /// A sensor of a geom's or site's orientation takes that of the body, or of its inertia, if it is
     /// nearly equal.
     reads_mounted_orientations since V4_0;

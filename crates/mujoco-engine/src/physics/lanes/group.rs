@@ -106,9 +106,8 @@ impl Group {
     }
 
     /// Adds a world: its model, which is the group's or [differs](super::differ_in_stiffness) from it
-    /// in the stiffness of joints, its state, and the
-    /// controls of its next step, which must be finite numbers. Returns its index; `None` if the world
-    /// steps alone.
+    /// in the stiffness of joints alone; its state; and the controls of its next step, which must be
+    /// finite numbers. Returns its index; `None` if the world steps alone.
     pub fn add(
         &mut self,
         model: &Model,

@@ -74,8 +74,8 @@ pub(crate) fn state_len(m: &Model) -> usize {
 }
 
 /// Returns the length of a world's record: the input of a step, which the step replaces by the
-/// output. Input: state, actuator forces, poses of mocap bodies, controls, stiffness of joints. Output: state, the state
-/// at the start of the last timestep, and the derived arrays that the task reads.
+/// output. Input: state, actuator forces, poses of mocap bodies, controls, stiffness of joints.
+/// Output: state, the state at the start of the last timestep, and the derived arrays that the task reads.
 pub(crate) fn record_len(m: &Model, reads: &[Derived]) -> usize {
     let derived: usize = reads.iter().map(|array| array.len(m)).sum();
     let controls = actuators::inputs(m);

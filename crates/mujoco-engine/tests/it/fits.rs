@@ -1,12 +1,9 @@
 //! Worlds step together where the stages for several worlds have all that their model has.
 
-use std::sync::Arc;
-
 use fearless_simd::Level;
-use mujoco_engine::lanes::{Derived, Group, Stride};
-use mujoco_engine::{Data, Model};
+use mujoco_engine::lanes::{Derived, Group};
 
-use super::worlds::compare_reading;
+use super::worlds::{compare_reading, steps_together};
 
 /// A model whose worlds step together, with places for a part of which they do not: an arm that reaches for the floor, and a
 /// box on it.
@@ -42,20 +39,6 @@ fn with(parts: &[(&str, &str)]) -> String {
         text = text.replace(&format!("{{{place}}}"), "");
     }
     text
-}
-
-/// Whether worlds of the model step together where this is read.
-fn steps_together(text: &str, settles: bool, reads: &[Derived]) -> bool {
-    let model = Arc::new(Model::from_xml(text).unwrap_or_else(|error| panic!("{error}: {text}")));
-    let stride = Stride {
-        steps: 1,
-        settles,
-        contact_forces: reads.contains(&Derived::CfrcExt),
-        reads: reads.to_vec(),
-    };
-    let mut group = Group::new(&model, &stride, Level::new(), 1);
-    let added = group.add(&model, &Data::new(&model), vec![0.0; model.nu()]);
-    added.is_some()
 }
 
 /// What stands against stepping together does so alone: such worlds step one by one. Beside it is what is like it, and

@@ -49,7 +49,7 @@ const CASES: [(&str, &str); 24] = [
     (r#"solver="PGS""#, r#"island="disable""#),
 ];
 
-/// The iterations of 12 steps: those of a step's islands with commas between.
+/// The iterations of 12 steps with spaces between, those of the islands of a step with commas between.
 fn iterations((option, flag): (&str, &str), version: &str) -> String {
     let text = PILE.replace("{option}", option).replace("{flag}", flag);
     let m = Model::from_xml_with(&text, version.parse().unwrap()).unwrap();

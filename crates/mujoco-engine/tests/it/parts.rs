@@ -1,8 +1,7 @@
 //! Models with each kind of sensor, actuator, tendon, equality, joint, mesh and option take steps as with libmujoco, to the
 //! last bit. `recorded/parts/record.py` recorded the digests.
 
-use gym_numerics::RandomState;
-use mujoco_engine::{Data, Model, step};
+use super::common;
 
 /// Versions and models whose states differ from libmujoco's in their last bits, by 2e-14 at most.
 const UNLIKE: [(&str, &str); 8] = [
@@ -20,22 +19,12 @@ const UNLIKE: [(&str, &str); 8] = [
 
 /// The digest of 20 steps from random velocities, under random controls.
 fn digest(text: &str, version: &str) -> String {
-    let m = match Model::from_xml_with(text, version.parse().unwrap()) {
-        Ok(m) => m,
-        Err(error) => return error.to_string(),
-    };
-    let (mut d, mut random) = (Data::new(&m), RandomState::new(0));
-    let mut digest: u64 = 0xcbf2_9ce4_8422_2325;
-    d.qvel.fill_with(|| random.uniform(-1.0, 1.0));
-    for _ in 0..20 {
-        d.ctrl.fill_with(|| random.uniform(-1.0, 1.0));
-        step(&m, &mut d);
-        let numbers = d.qpos.iter().chain(&d.qvel).chain(&d.act);
-        for number in numbers.chain(&d.sensordata) {
-            digest = (digest ^ number.to_bits()).wrapping_mul(0x100_0000_01b3);
-        }
-    }
-    format!("{digest:016x}")
+    common::digest(
+        (text, version),
+        20,
+        |d, random| d.qvel.fill_with(|| random.uniform(-1.0, 1.0)),
+        |_, d, random| d.ctrl.fill_with(|| random.uniform(-1.0, 1.0)),
+    )
 }
 
 #[test]

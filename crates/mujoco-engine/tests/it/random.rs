@@ -1,8 +1,7 @@
 //! Random models with bodies, joints, shapes, tendons, actuators, equalities and sensors of every kind take steps as with
 //! libmujoco, to the last bit. `recorded/random/record.py` recorded the digests.
 
-use gym_numerics::RandomState;
-use mujoco_engine::{Data, Model, step};
+use super::common;
 
 /// The lines of models of which some version differs: stages of Runge and Kutta with two equalities differ by 1e-17 after
 /// 23 steps.
@@ -10,29 +9,22 @@ const UNLIKE: [usize; 1] = [35];
 
 /// The digest of 25 steps under random controls within their ranges.
 fn digest(text: &str, version: &str) -> String {
-    let m = match Model::from_xml_with(text, version.parse().unwrap()) {
-        Ok(m) => m,
-        Err(error) => return error.to_string(),
-    };
-    let (mut d, mut random) = (Data::new(&m), RandomState::new(0));
-    let mut digest: u64 = 0xcbf2_9ce4_8422_2325;
-    for _ in 0..25 {
-        for i in 0..m.nu() {
-            let control = random.uniform(-1.0, 1.0);
-            d.ctrl[i] = if m.actuator_ctrllimited[i] {
-                let [low, high] = m.actuator_ctrlrange[i];
-                low + (control + 1.0) / 2.0 * (high - low)
-            } else {
-                control
-            };
-        }
-        step(&m, &mut d);
-        let numbers = d.qpos.iter().chain(&d.qvel).chain(&d.act);
-        for number in numbers.chain(&d.sensordata) {
-            digest = (digest ^ number.to_bits()).wrapping_mul(0x100_0000_01b3);
-        }
-    }
-    format!("{digest:016x}")
+    common::digest(
+        (text, version),
+        25,
+        |_, _| (),
+        |m, d, random| {
+            for i in 0..m.nu() {
+                let control = random.uniform(-1.0, 1.0);
+                d.ctrl[i] = if m.actuator_ctrllimited[i] {
+                    let [low, high] = m.actuator_ctrlrange[i];
+                    low + (control + 1.0) / 2.0 * (high - low)
+                } else {
+                    control
+                };
+            }
+        },
+    )
 }
 
 #[test]

@@ -76,6 +76,20 @@ fn reads(text: &str) -> Vec<Derived> {
     reads
 }
 
+/// Whether worlds of the model step together where this is read.
+pub(super) fn steps_together(text: &str, settles: bool, reads: &[Derived]) -> bool {
+    let model = Arc::new(Model::from_xml(text).unwrap_or_else(|error| panic!("{error}: {text}")));
+    let stride = Stride {
+        steps: 1,
+        settles,
+        contact_forces: reads.contains(&Derived::CfrcExt),
+        reads: reads.to_vec(),
+    };
+    let mut group = Group::new(&model, &stride, Level::new(), 1);
+    let added = group.add(&model, &Data::new(&model), vec![0.0; model.nu()]);
+    added.is_some()
+}
+
 fn compare(text: &str, len: usize) {
     compare_reading(text, len, &reads(text));
 }
@@ -215,17 +229,8 @@ fn worlds_of_several_trees_have_the_bits_of_one() {
     ] {
         let text = PILE.replace("{option}", option);
         let text = text.replace("{friction}", friction);
-        let model = Arc::new(Model::from_xml(&text).unwrap());
-        let level = Level::new();
-        let stride = Stride {
-            steps: 1,
-            settles: false,
-            contact_forces: true,
-            reads: vec![Derived::CfrcExt],
-        };
-        let data = Data::new(&model);
-        let added = Group::new(&model, &stride, level, 1).add(&model, &data, [0.0; 2]);
-        assert_eq!(added.is_some(), Group::can_step(level), "{option}");
+        let together = steps_together(&text, false, &[Derived::CfrcExt]);
+        assert_eq!(together, Group::can_step(Level::new()), "{option}");
         for len in [1, 7, 8, 9, 67] {
             compare(&text, len);
         }
@@ -351,25 +356,16 @@ fn drawn(lot: &mut impl FnMut(usize) -> usize) -> String {
 
 #[test]
 fn worlds_of_models_by_lot_have_the_bits_of_one() {
-    let (mut numbers, level) = (random(5), Level::new());
+    let mut numbers = random(5);
     let mut lot = |n: usize| ((numbers() + 1.0) / 2.0 * n as f64) as usize;
     let mut together = 0;
     for _ in 0..MODELS {
         let text = drawn(&mut lot);
-        let model =
-            Arc::new(Model::from_xml(&text).unwrap_or_else(|error| panic!("{error}: {text}")));
-        let stride = Stride {
-            steps: 1,
-            settles: false,
-            contact_forces: true,
-            reads: reads(&text),
-        };
-        let added = Group::new(&model, &stride, level, 1).add(&model, &Data::new(&model), [0.0; 2]);
-        together += usize::from(added.is_some());
+        together += usize::from(steps_together(&text, false, &reads(&text)));
         compare(&text, 9);
     }
     assert!(
-        !Group::can_step(level) || together > MODELS / 2,
+        !Group::can_step(Level::new()) || together > MODELS / 2,
         "{together}"
     );
 }

@@ -14,13 +14,9 @@ macro_rules! arrays {
         }
 
         impl Arrays {
-            pub(super) fn new(m: &Model) -> Self {
+            fn zeros(m: &Model) -> Self {
                 $(let $name: fn(&Model) -> usize = $length;)+
-                let mut arrays = Self { $($name: vec![$zero; $name(m)],)+ };
-                for (row, &j) in arrays.stiffness.iter_mut().zip(&m.plan().springs) {
-                    *row = PerWorld([m.jnt_stiffness[j]; WORLDS]);
-                }
-                arrays
+                Self { $($name: vec![$zero; $name(m)],)+ }
             }
 
             /// Fills with NaN what a step has written. (A few elements are the same in every state,
@@ -93,6 +89,17 @@ arrays! {
     acc_sum: PerWorld = (PerWorld::ZERO, |m| m.nv()),
     vel_sum: PerWorld = (PerWorld::ZERO, |m| m.nv()),
     rates: PerWorld = (PerWorld::ZERO, |m| m.nv()),
+}
+
+impl Arrays {
+    /// The arrays of worlds whose joints are as stiff as the model's.
+    pub(super) fn new(m: &Model) -> Self {
+        let mut arrays = Self::zeros(m);
+        for (row, &j) in arrays.stiffness.iter_mut().zip(&m.plan().springs) {
+            *row = PerWorld([m.jnt_stiffness[j]; WORLDS]);
+        }
+        arrays
+    }
 }
 
 const ONE: PerWorld = PerWorld([1.0; WORLDS]);

@@ -62,18 +62,14 @@ pub(crate) fn fits(m: &Model, stride: &Stride) -> bool {
 /// with worlds of the other. Joints without springs in one have none in the other.
 #[must_use]
 pub fn differ_in_stiffness(a: &CompiledModel, b: &CompiledModel) -> bool {
-    let springs = |m: &CompiledModel| {
-        m.jnt_stiffness
-            .iter()
-            .map(|x| *x != 0.0)
-            .collect::<Vec<_>>()
-    };
+    let mut both = a.jnt_stiffness.iter().zip(&b.jnt_stiffness);
+    let same_springs = both.all(|(a, b)| (*a == 0.0) == (*b == 0.0));
     let alike = || {
         let mut twin = a.clone();
         twin.jnt_stiffness.clone_from(&b.jnt_stiffness);
         twin == *b
     };
-    a.jnt_stiffness != b.jnt_stiffness && springs(a) == springs(b) && alike()
+    a.jnt_stiffness != b.jnt_stiffness && same_springs && alike()
 }
 
 /// Whether the constraint rows of several worlds are made together: limits of joints and tendons, and

@@ -9,6 +9,7 @@ mod compiled;
 mod contacts;
 mod copies;
 mod defaults;
+mod digest;
 mod fields;
 mod fits;
 mod frames;

@@ -1,7 +1,7 @@
 //! Models with each kind of sensor, actuator, tendon, equality, joint, mesh and option take steps as with libmujoco, to the
 //! last bit. `recorded/parts/record.py` recorded the digests.
 
-use super::common;
+use super::digest;
 
 /// Versions and models whose states differ from libmujoco's in their last bits, by 2e-14 at most.
 const UNLIKE: [(&str, &str); 8] = [
@@ -19,7 +19,7 @@ const UNLIKE: [(&str, &str); 8] = [
 
 /// The digest of 20 steps from random velocities, under random controls.
 fn digest(text: &str, version: &str) -> String {
-    common::digest(
+    digest::of_steps(
         (text, version),
         20,
         |d, random| d.qvel.fill_with(|| random.uniform(-1.0, 1.0)),

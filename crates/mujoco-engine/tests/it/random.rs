@@ -1,7 +1,7 @@
 //! Random models with bodies, joints, shapes, tendons, actuators, equalities and sensors of every kind take steps as with
 //! libmujoco, to the last bit. `recorded/random/record.py` recorded the digests.
 
-use super::common;
+use super::digest;
 
 /// The lines of models of which some version differs: stages of Runge and Kutta with two equalities differ by 1e-17 after
 /// 23 steps.
@@ -9,7 +9,7 @@ const UNLIKE: [usize; 1] = [35];
 
 /// The digest of 25 steps under random controls within their ranges.
 fn digest(text: &str, version: &str) -> String {
-    common::digest(
+    digest::of_steps(
         (text, version),
         25,
         |_, _| (),

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import copy
 import pickle
+import sys
+import warnings
 from typing import Any
 
 import gymnasium
@@ -351,3 +353,40 @@ def test_time_steps_of_vectors(suite: Any, mode: str, limit: int | None) -> None
     envs.send(np.full((1, 2), 0.1), [1])
     infos = envs.recv(1)[4]
     assert infos["_timestep.step_type"].tolist() == [False, True] and infos["timestep.discount"][1] == 1.0
+
+
+def test_a_class_of_ones_own_is_warned_of_nothing(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(sys.modules["rustgym.envs.mujoco"], "_installed", lambda: None)  # another version is told of
+
+    class Mine(rustgym.VectorEnv):
+        pass
+
+    class Walker(rustgym.envs.Hopper_v5):  # type: ignore[misc,name-defined]
+        metadata = {"render_modes": ["rgb_array"], "render_fps": 125}
+
+        def step(self, action: Any) -> Any:
+            return super().step(action)
+
+        def reset(self, **kwargs: Any) -> Any:
+            return super().reset(**kwargs)
+
+        def render(self) -> Any:
+            return "mine"
+
+        def close(self) -> None:
+            super().close()
+
+    gymnasium.logger.min_level = gymnasium.logger.WARN
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("error")
+            envs: Any = Mine("CartPole-v1", 2)
+            envs.mark = 3
+            walker: Any = Walker()
+            walker.mark = 3
+            walker.reset(seed=1)
+            walker.step(np.zeros(3, np.float32))
+            assert walker.render() == "mine" and walker.metadata["render_fps"] == 125 and envs.mark == walker.mark == 3
+            assert not walker._is_handed
+    finally:
+        gymnasium.logger.min_level = gymnasium.logger.ERROR

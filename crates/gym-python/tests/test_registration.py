@@ -162,3 +162,19 @@ def test_the_engine_that_the_package_lacks_is_named() -> None:
         assert "build with the feature `rapier`" in str(error)
     else:
         pytest.skip("this build has the engine")
+
+
+def test_an_id_of_this_package_can_be_the_users() -> None:
+    code = """
+import gymnasium, rustgym
+gymnasium.logger.min_level = gymnasium.logger.ERROR  # it warns of every id that is registered again
+before = len(rustgym.registry)
+rustgym.register("CartPole-v1", entry_point="rustgym.envs:MountainCar_v0", max_episode_steps=7)
+rustgym.register("Mine-v0", "rustgym.envs:Pendulum_v1")
+env = rustgym.make("CartPole-v1")
+print(type(env.unwrapped).__name__, env.spec.max_episode_steps, rustgym.make("CartPole-v0").unwrapped.env_id)
+print(type(rustgym.make("Mine-v0").unwrapped).__name__, len(rustgym.registry) - before, "CartPole-v1" in rustgym.registry)
+del rustgym.registry["Mine-v0"]
+print("Mine-v0" in rustgym.registry, "Mine-v0" in list(rustgym.registry))
+"""
+    assert run(code) == "MountainCarEnv 7 CartPole-v0\nPendulumEnv 1 True\nFalse False\n"

@@ -303,7 +303,8 @@ class OwnData:
         return {name: value for name, value in now.items() if not np.array_equal(value, seen[name], equal_nan=True)}
 
     def __getattr__(self, name: str) -> Any:
-        raise AttributeError(f"data has no {name!r}: without the package mujoco it has {', '.join(self.__dict__)}")
+        arrays = ", ".join(array for array in self.__dict__ if array != "_seen")
+        raise AttributeError(f"data has no {name!r}: without the package mujoco it has {arrays}")
 
     def __setattr__(self, name: str, value: Any) -> None:
         if name in KNOWN:

@@ -1,0 +1,69 @@
+"""A window of pygame, which opens where the package's own cannot, shows the same episode; pictures have what Gymnasium's have."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import gymnasium
+import numpy as np
+import pytest
+from conftest import assert_same
+
+import rustgym
+
+
+@pytest.mark.parametrize(
+    ("env_id", "kwargs"),
+    [
+        ("CartPole-v1", {"gravity": 3.0}),
+        ("FrozenLake-v1", {"map_name": "8x8", "is_slippery": False}),
+        ("Pendulum-v1", {"g": 2.0}),
+        ("LunarLander-v3", {"continuous": True}),
+        ("MiniGrid-Empty-5x5-v0", {"agent_view_size": 3}),
+    ],
+)
+def test_the_episode_in_a_window_is_the_one_without(env_id: str, kwargs: dict[str, Any], monkeypatch: pytest.MonkeyPatch) -> None:
+    pygame = pytest.importorskip("pygame")
+    monkeypatch.setenv("SDL_VIDEODRIVER", "dummy")
+    monkeypatch.delenv("DISPLAY", raising=False)
+    shown, plain = (rustgym.Env(env_id, render_mode=mode, **kwargs) for mode in ("human", "rgb_array"))
+    assert_same(shown.reset(seed=4), plain.reset(seed=4), env_id)
+    plain.render()
+    plain.action_space.seed(1)
+    for _ in range(5):
+        action = plain.action_space.sample()
+        assert_same(shown.step(action)[:4], plain.step(action)[:4], env_id)
+        drawn = plain.render()
+        assert shown.render() is None
+    assert shown.get_state() == plain.get_state() and shown.arguments == plain.arguments
+    if pygame.display.get_surface() is not None:
+        assert pygame.display.get_caption()[0] == env_id
+        picture = pygame.surfarray.array3d(pygame.display.get_surface()).swapaxes(0, 1)
+        assert np.array_equal(picture, drawn)
+    shown.close()
+
+
+#: What Gymnasium's environments remember of their pictures.
+OF_PICTURES = {
+    "Taxi-v4": ["taxi_orientation", "cell_size", "window_size"],
+    "CliffWalking-v1": ["cell_size", "window_size"],
+    "FrozenLake-v1": ["cell_size", "window_size"],
+}
+
+
+@pytest.mark.parametrize("mode", ["rgb_array", "ansi"])
+@pytest.mark.parametrize("env_id", OF_PICTURES)
+@pytest.mark.parametrize("draws", [False, True])
+def test_a_picture_leaves_what_gymnasiums_leaves(env_id: str, mode: str, draws: bool) -> None:
+    def use(env: Any) -> list[Any]:
+        env.reset(seed=2)
+        seen = []
+        for action in (1, 0, 2, 3, 3, 1):
+            env.step(action)
+            if draws:
+                env.render()
+            seen += [getattr(env.unwrapped, name, "none") for name in OF_PICTURES[env_id]]
+        return seen
+
+    ours, theirs = (module.make(env_id, render_mode=mode, disable_env_checker=True) for module in (rustgym, gymnasium))
+    assert_same(use(ours), use(theirs), env_id)

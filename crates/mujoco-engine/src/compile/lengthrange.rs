@@ -76,8 +76,10 @@ fn measured(
         d.reset(m);
         let mut updated = false;
         while d.time < options.total {
+            let before = d.time;
             let length = pulled(m, d, i, side, options);
-            if d.time == 0.0 {
+            // a state that diverged begins anew
+            if d.time <= before {
                 return Err(
                     "missing: it cannot be measured, because the simulation is unstable".into(),
                 );

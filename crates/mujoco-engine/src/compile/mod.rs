@@ -246,7 +246,13 @@ fn check_names(spec: &Spec) -> Result<()> {
     for (kind, name, place) in of_bodies.chain(others) {
         if name.is_some() && !seen.insert((kind, name)) {
             let name = name.as_deref().unwrap_or_default();
-            return Err(place.attribute("name", format!("there is a {kind} {name:?} already")));
+            let article = if kind.starts_with(['a', 'e']) {
+                "an"
+            } else {
+                "a"
+            };
+            let reason = format!("there is {article} {kind} {name:?} already");
+            return Err(place.attribute("name", reason));
         }
     }
     Ok(())

@@ -365,3 +365,80 @@ fn not_every_class_is_named() {
         "{error}"
     );
 }
+
+/// `start` gives the state before the last call, whatever becomes of the data. Of the two halves of a step, the second has
+/// controls, activations and forces of its own.
+#[test]
+fn data_tells_the_state_that_its_last_call_started_from() {
+    let text = r#"<mujoco><worldbody><body name="hand" mocap="true"/><body><freejoint/><geom size=".1"/></body>
+        <body><joint name="j"/><geom size=".1" pos=".3 0 0"/></body></worldbody>
+        <actuator><intvelocity joint="j" actrange="-9 9"/><motor joint="j"/></actuator></mujoco>"#;
+    let m = Model::from_xml(text).unwrap();
+    let set = |d: &mut Data, number: f64| {
+        d.time = number;
+        d.qpos.fill(number + 0.1);
+        d.qvel.fill(number + 0.2);
+        d.ctrl.fill(number + 0.3);
+        d.qacc_warmstart.fill(number + 0.4);
+        d.act.fill(number + 0.5);
+        d.mocap_pos.fill([number + 0.6; 3]);
+        d.mocap_quat.fill([number + 0.7; 4]);
+        d.qfrc_applied.fill(number + 0.8);
+        d.xfrc_applied.fill([number + 0.9; 6]);
+    };
+    let names = [
+        "time",
+        "qpos",
+        "qvel",
+        "ctrl",
+        "qacc_warmstart",
+        "act",
+        "mocap_pos",
+        "mocap_quat",
+        "qfrc_applied",
+        "xfrc_applied",
+    ];
+    let later = [
+        "ctrl",
+        "qacc_warmstart",
+        "act",
+        "qfrc_applied",
+        "xfrc_applied",
+    ];
+    let check = |d: &Data, first: f64, second: f64, what: &str| {
+        let start = d.start().unwrap();
+        assert_eq!(start.map(|(name, _)| name), names, "{what}");
+        for (i, (name, numbers)) in start.into_iter().enumerate() {
+            let from = if later.contains(&name) { second } else { first };
+            let expected = vec![if i == 0 { from } else { from + i as f64 / 10.0 }; numbers.len()];
+            assert!(!numbers.is_empty(), "{what}, {name}");
+            assert_eq!(numbers, expected, "{what}, {name}");
+        }
+    };
+    let mut d = Data::new(&m);
+    assert!(d.start().is_none());
+    let calls: [(&str, fn(&Model, &mut Data)); 4] = [
+        ("step", step),
+        ("step1", step1),
+        ("step2", step2),
+        ("forward", forward),
+    ];
+    for (number, (name, call)) in (1..).zip(calls) {
+        // after a step, a second half has no first half to go on from
+        d.reset(&m);
+        step(&m, &mut d);
+        set(&mut d, f64::from(number));
+        call(&m, &mut d);
+        set(&mut d, 99.0);
+        check(&d, f64::from(number), f64::from(number), name);
+    }
+    for first in [step1, forward] {
+        d.reset(&m);
+        set(&mut d, 1.0);
+        first(&m, &mut d);
+        set(&mut d, 2.0);
+        step2(&m, &mut d);
+        set(&mut d, 99.0);
+        check(&d, 1.0, 2.0, "both halves");
+    }
+}

@@ -1,6 +1,6 @@
 //! What the compiler of MJCF computes from a text.
 
-use mujoco_engine::{Data, Model, step};
+use mujoco_engine::{Data, Model, forward, step};
 
 /// A default class inherits from the enclosing class, even with other elements in between.
 #[test]
@@ -294,4 +294,60 @@ fn a_keyframe_is_a_whole_state() {
     assert!(error.contains("no keyframe 2: the model has 2"), "{error}");
     d.reset_keyframe(&m, 0).unwrap();
     assert!(d.time == 0.0 && d.qpos == m.qpos0 && d.mocap_pos[0] == m.body_pos[1]);
+}
+
+/// A body that is aligned has its frame at its inertia, in the model and in the initial state; its parts stay in their place.
+#[test]
+fn an_aligned_body_moves_its_frame_and_not_its_parts() {
+    let model = |align: &str| {
+        let text = format!(
+            r#"<mujoco><worldbody><body pos="1 2 3" euler="20 30 40"><freejoint align="{align}"/><site pos=".3 0 .1"/>
+            <geom type="box" size=".1 .2 .3" pos=".4 .5 .6" euler="50 60 70"/><camera pos="0 .1 0"/></body></worldbody></mujoco>"#
+        );
+        let m = Model::from_xml(&text).unwrap();
+        let mut d = Data::new(&m);
+        forward(&m, &mut d);
+        (m, d)
+    };
+    let ((plain, before), (aligned, after)) = (model("false"), model("true"));
+    assert_eq!(plain.body_pos[1], [1.0, 2.0, 3.0]);
+    let pose = [&aligned.body_pos[1][..], &aligned.body_quat[1]].concat();
+    assert_eq!(aligned.qpos0, pose);
+    assert_eq!(aligned.qpos_spring, pose);
+    assert_eq!(
+        (aligned.body_ipos[1], aligned.body_iquat[1]),
+        ([0.0; 3], [1.0, 0.0, 0.0, 0.0])
+    );
+    let close = |a: [f64; 3], b: [f64; 3]| a.iter().zip(b).all(|(a, b)| (a - b).abs() < 1e-12);
+    assert!(close(aligned.body_pos[1], before.xipos[1]));
+    assert!(close(after.geom_xpos[0], before.geom_xpos[0]));
+    assert!(close(after.site_xpos[0], before.site_xpos[0]));
+}
+
+/// A body without joints becomes a part of its parent, with all that it has.
+#[test]
+fn a_fused_body_leaves_its_parts_to_its_parent() {
+    let text = |fuses: bool| {
+        format!(
+            r#"<mujoco><compiler fusestatic="{fuses}"/><worldbody><body><joint/><geom size=".1"/><body pos="1 0 0"><geom size=".2" pos="0 1 0"/>
+            <site name="s" pos="0 2 0"/><camera pos="0 3 0"/><light pos="0 4 0"/></body></body></worldbody></mujoco>"#
+        )
+    };
+    let [whole, fused] = [false, true].map(|fuses| Model::from_xml(&text(fuses)).unwrap());
+    assert_eq!((whole.nbody(), fused.nbody()), (3, 2));
+    assert_eq!(
+        (whole.cam_bodyid[0], whole.cam_pos[0]),
+        (2, [0.0, 3.0, 0.0])
+    );
+    assert_eq!(fused.geom_bodyid, [1, 1]);
+    assert_eq!((fused.site_bodyid[0], fused.cam_bodyid[0]), (1, 1));
+    assert_eq!(
+        (fused.geom_pos[1], fused.site_pos[0]),
+        ([1.0, 1.0, 0.0], [1.0, 2.0, 0.0])
+    );
+    assert_eq!(
+        (fused.cam_pos[0], fused.light_pos[0]),
+        ([1.0, 3.0, 0.0], [1.0, 4.0, 0.0])
+    );
+    assert!((fused.body_mass[1] - whole.body_mass[1] - whole.body_mass[2]).abs() < 1e-12);
 }

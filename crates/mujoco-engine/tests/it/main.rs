@@ -26,6 +26,7 @@ mod polygons;
 mod random;
 mod rays;
 mod reasons;
+mod refusals;
 mod sleep;
 mod sparse;
 mod steps;

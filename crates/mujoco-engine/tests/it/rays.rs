@@ -2,7 +2,7 @@
 //! recorded the digests.
 
 use gym_numerics::RandomState;
-use mujoco_engine::physics::ray;
+use mujoco_engine::physics::{ray, ray_among};
 use mujoco_engine::{Data, Model, forward};
 
 const TEXT: &str = r#"<mujoco>
@@ -61,4 +61,32 @@ fn rays_are_libmujocos() {
         }
         assert_eq!(digest, expected, "{version}: {digest:016x}");
     }
+}
+
+/// A geom is seen by its own opacity, or by its material's if it has one; whatever its other colours are.
+#[test]
+fn rays_pass_through_what_is_invisible() {
+    let text = r#"<mujoco><asset><material name="clear" rgba="1 1 1 0"/><material name="solid" rgba="0 0 0 .1"/></asset><worldbody>
+        <geom name="clear" size=".1" pos="1 0 0" rgba="1 1 1 0"/><geom name="covered" size=".1" pos="2 0 0" material="clear" rgba="1 1 1 1"/>
+        <body name="b" pos="3 0 0"><geom name="black" size=".1" rgba="0 0 0 .1"/></body>
+        <geom name="painted" size=".1" pos="4 0 0" material="solid" rgba="1 1 1 0"/></worldbody></mujoco>"#;
+    let m = Model::from_xml(text).unwrap();
+    let mut d = Data::new(&m);
+    forward(&m, &mut d);
+    let (from, along) = ([0.0; 3], [1.0, 0.0, 0.0]);
+    let name = |met: Option<(f64, usize)>| met.and_then(|(_, geom)| m.names.geom[geom].as_deref());
+    assert_eq!(name(ray(&m, &d, from, along, None)), Some("black"));
+    let except = ray(&m, &d, from, along, m.body_id("b"));
+    assert_eq!(name(except), Some("painted"));
+    assert!((except.unwrap().0 - 3.9).abs() < 1e-12);
+    assert_eq!(name(ray(&m, &d, from, along, Some(0))), Some("black"));
+    assert_eq!(name(ray(&m, &d, from, [-1.0, 0.0, 0.0], None)), None);
+    assert_eq!(
+        name(ray_among(&m, &d, from, along, |_| true)),
+        Some("clear")
+    );
+    assert_eq!(
+        name(ray_among(&m, &d, from, along, |geom| geom == 1)),
+        Some("covered")
+    );
 }

@@ -3,7 +3,7 @@
 use mujoco_engine::Model;
 
 /// What a section of a model may name.
-const WORLD: &str = r#"<geom name="g" type="sphere" size=".1"/><geom name="x" type="box" size=".1 .1 .1"/><site name="s"/><site name="t" pos="1 0 0"/><body name="b"><joint name="j"/><geom name="h" size=".1"/></body><body name="f"><freejoint name="free"/><geom size=".1"/></body><body name="l"><joint name="ball" type="ball"/><geom size=".1"/></body>"#;
+pub(super) const WORLD: &str = r#"<geom name="g" type="sphere" size=".1"/><geom name="x" type="box" size=".1 .1 .1"/><site name="s"/><site name="t" pos="1 0 0"/><body name="b"><joint name="j"/><geom name="h" size=".1"/></body><body name="f"><freejoint name="free"/><geom size=".1"/></body><body name="l"><joint name="ball" type="ball"/><geom size=".1"/></body>"#;
 
 /// Parts of the world, and their errors.
 const PARTS: &[(&str, &str)] = &[

@@ -390,3 +390,55 @@ def test_copies_step_themselves(way: str) -> None:
     envs.reset(seed=1)
     other = WAYS[way](envs) if way != "copy" else envs
     assert len(other.step([0, 1])) == 5
+
+
+@pytest.mark.parametrize("steps", [0, 2])
+@pytest.mark.parametrize("number", [np.float64, np.float32])
+@pytest.mark.parametrize(
+    ("env_id", "state", "action"),
+    [
+        ("CartPole-v1", [0.1, 0.2, 0.03, 0.4], 1),
+        ("MountainCar-v0", [-0.4, 0.01], 2),
+        ("MountainCarContinuous-v0", [-0.4, 0.01], np.array([0.3], np.float32)),
+        ("Pendulum-v1", [0.7, -0.3], np.array([0.3], np.float32)),
+        ("Acrobot-v1", [0.1, 0.2, 0.3, 0.4], 2),
+    ],
+)
+def test_a_state_has_the_precision_that_it_was_set_with(env_id: str, state: list[float], action: Any, number: Any, steps: int) -> None:
+    def use(module: Any) -> list[Any]:
+        env = module.make(env_id, disable_env_checker=True)
+        env.reset(seed=1)
+        for _ in range(steps):
+            env.step(action)
+        env.unwrapped.state = np.array(state, number)
+        if module is rustgym:
+            twin = rustgym.Env(env_id)
+            twin.set_state(env.unwrapped.get_state())
+            # the other three compute with Python's floats
+            kept = number if env_id in ("Acrobot-v1", "MountainCarContinuous-v0") else np.float64
+            assert_same(np.asarray(twin.state), np.array(state, number).astype(kept), env_id)
+        results = [env.step(action)[:4] for _ in range(3)]
+        return [*results, np.asarray(env.unwrapped.state)]
+
+    assert_same(use(rustgym), use(gymnasium), env_id)
+
+
+def test_a_picture_has_a_face_only_where_the_dealers_card_has_one() -> None:
+    faces = set()
+    for seed in range(40):
+        env = rustgym.make("Blackjack-v1").unwrapped
+        env.reset(seed=seed)
+        card, shown = env.dealer[0], env.dealer_top_card_value_str
+        assert shown in {1: ("A",), 10: ("10", "J", "Q", "K")}.get(card, (str(card),))
+        faces.add(shown)
+        env.dealer_top_card_value_str = shown
+        if shown in ("J", "Q", "K"):
+            env.dealer_top_card_value_str = "K"
+            assert env.dealer_top_card_value_str == "K"
+        else:
+            with pytest.raises(ValueError, match=f"^dealer_top_card_value_str cannot be 'J': it shows the card dealer.0., {card}$"):
+                env.dealer_top_card_value_str = "J"
+        with pytest.raises(ValueError, match="^dealer_top_card_value_str cannot be 'Joker'"):
+            env.dealer_top_card_value_str = "Joker"
+        assert env.dealer_top_card_value_str == ("K" if shown in ("J", "Q", "K") else shown)
+    assert faces >= {"A", "2", "J", "Q", "K"}

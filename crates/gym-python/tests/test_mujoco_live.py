@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import copy
+import json
 import pickle
 import sys
 from collections.abc import Callable
@@ -296,3 +297,15 @@ def test_types_in_infos() -> None:
             infos = [e.step(action)[4] for e in (env, other)]
             found = [[(key, value.dtype) for key, value in info.items()] for info in infos]
             assert found[0] == found[1], env_id
+
+
+def test_a_stored_state_has_all_that_mujocos_package_computed() -> None:
+    mujoco = pytest.importorskip("mujoco")
+    env: Any = rustgym.Env("Hopper-v5", mujoco=".".join(mujoco.__version__.split(".")[:2]))
+    env.reset(seed=1)
+    env.model.body_mass[1] *= 2.0
+    for _ in range(3):
+        env.step(np.full(3, 0.5, np.float32))
+    stored = json.loads(env.get_state())["native"]["episode"]["data"]["state"]
+    for name in ("qpos", "qvel", "qacc_warmstart"):
+        assert stored[name] == getattr(env.data, name).tolist() and any(stored[name]), name

@@ -285,6 +285,8 @@ def test_physics_is_dm_controls(suite: Any) -> None:
         {"environment_kwargs": {"flat_observation": True}},
         {"environment_kwargs": {"n_sub_steps": 2}},
         {"environment_kwargs": {"control_timestep": 0.02}},
+        {"visualize_reward": True},
+        {"render_kwargs": {"width": 32}},
     ],
 )
 def test_arguments_of_dm_control(suite: Any, kwargs: Any) -> None:

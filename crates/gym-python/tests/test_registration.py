@@ -178,3 +178,21 @@ del rustgym.registry["Mine-v0"]
 print("Mine-v0" in rustgym.registry, "Mine-v0" in list(rustgym.registry))
 """
     assert run(code) == "MountainCarEnv 7 CartPole-v0\nPendulumEnv 1 True\nFalse False\n"
+
+
+def test_ids_are_those_that_this_package_computes() -> None:
+    ids = rustgym.ids()
+    assert len(ids) == len({*ids}) and not any(env_id.startswith("Gym") for env_id in ids)
+    assert {env_id.split("-")[0] for env_id in ids} >= {"CartPole", "Taxi", "LunarLander", "Ant", "MiniGrid", "BabyAI", "ALE/Pong"}
+
+
+def test_what_was_replaced_is_still_found() -> None:
+    pytest.importorskip("minigrid")
+    code = """
+import gymnasium, minigrid, rustgym
+rustgym.register(replace=True)
+env = gymnasium.make("MiniGrid-Empty-5x5-v0").unwrapped
+env.reset(seed=1)
+print(type(env).__module__, type(env.grid).__module__, isinstance(env, minigrid.minigrid_env.MiniGridEnv))
+"""
+    assert run(code).endswith("minigrid.core.grid True\n")

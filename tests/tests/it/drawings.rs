@@ -1,17 +1,17 @@
 //! Compares the drawing calls of each environment with `tests/drawings`.
 //!
 //! After an intended change, look at the images (`cargo xtask gif ID`), then store the new calls
-//! with `GYM_UPDATE_DRAWINGS=1 cargo test --package gym-tests --test it drawings`.
+//! with `GYM_UPDATE_KEPT=1 cargo test --package gym-tests --test it drawings`.
 
 use std::path::Path;
 
 use gym::render::DrawLog;
 use gym::{Env, EnvExt, Registration, registry};
+use gym_testing::{Digest, kept};
 
 #[test]
 fn drawings_are_as_kept() {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("drawings");
-    let update = std::env::var_os("GYM_UPDATE_DRAWINGS").is_some();
     // another engine uses the same drawing code with slightly different numbers
     let is_other_engine = |id: &str| id.starts_with("rapier/");
     // versions of a MuJoCo task look alike
@@ -47,13 +47,37 @@ fn drawings_are_as_kept() {
             drawn += &format!("# the end\n{}\n", DrawLog::of(|canvas| env.draw(canvas)));
         }
         let path = folder.join(format!("{}.txt", id.replace('/', "_")));
-        if update {
-            gym::render::file::write(&path, drawn.as_bytes()).unwrap();
-        }
-        let kept = std::fs::read_to_string(&path).unwrap_or_default();
-        for (line, (kept, drawn)) in kept.lines().zip(drawn.lines()).enumerate() {
-            assert_eq!(drawn, kept, "{id}, line {}", line + 1);
-        }
-        assert_eq!(drawn.lines().count(), kept.lines().count(), "{id}");
+        kept(&path, &drawn);
     }
+}
+
+/// Pictures and texts of whole episodes, which show more states than the first steps do.
+#[test]
+fn whole_episodes_are_drawn_as_kept() {
+    let all = registry::self_contained().into_iter();
+    let few = all.filter(|entry| ["gym-classic", "gym-toytext"].contains(&entry.source.package));
+    let mut sums = String::new();
+    for registration in few {
+        let id = registration.id();
+        let mut env = registration.spec().unwrap().make().unwrap();
+        let mut actions = env.action_sampler(0).unwrap();
+        let mut digest = Digest::default();
+        for seed in 0..6 {
+            env.reset(seed).unwrap();
+            for _ in 0..50 {
+                digest.bytes(
+                    DrawLog::of(|canvas| env.draw(canvas))
+                        .to_string()
+                        .as_bytes(),
+                );
+                digest.bytes(env.ansi().unwrap_or_default().as_bytes());
+                if env.step(&actions.sample()).unwrap().done() {
+                    break;
+                }
+            }
+        }
+        sums += &format!("{id} {}\n", &digest.finish()[..16]);
+    }
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("drawings");
+    kept(&folder.join("episodes.txt"), &sums);
 }

@@ -1,7 +1,7 @@
 //! Pictures of models with every kind of thing that is drawn, from every kind of camera, compared with `pictures.txt`.
 //!
 //! After an intended change, look at them, then store their digests with
-//! `GYM_UPDATE_DRAWINGS=1 cargo test --package gym-sim pictures`.
+//! `GYM_UPDATE_KEPT=1 cargo test --package gym-sim pictures`.
 
 use std::fmt::Write;
 use std::sync::Arc;
@@ -163,7 +163,7 @@ fn pictures_are_as_kept() {
             writeln!(found, "{scene} of {geoms} geoms: {drawn}, depths {depth}").unwrap();
         }
     }
-    if std::env::var_os("GYM_UPDATE_DRAWINGS").is_some() {
+    if std::env::var_os("GYM_UPDATE_KEPT").is_some() {
         let path = concat!(env!("CARGO_MANIFEST_DIR"), "/src/viewer/pictures.txt");
         std::fs::write(path, &found).unwrap();
     }

@@ -4,6 +4,7 @@ mod allocations;
 mod assets;
 mod attributes;
 mod changes;
+mod checks;
 mod common;
 mod compiled;
 mod contacts;

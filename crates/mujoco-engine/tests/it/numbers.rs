@@ -5,7 +5,7 @@ use mujoco_engine::{CompiledModel, Data, Model, step};
 use serde_json::{Value, json};
 
 /// A model that has every kind of object.
-const TEXT: &str = r#"<mujoco>
+pub(super) const TEXT: &str = r#"<mujoco>
   <option timestep=".002" density="1.2" viscosity=".01"/>
   <asset><material name="red" rgba="1 0 0 1"/></asset>
   <worldbody>

@@ -214,6 +214,13 @@ mod tests {
     }
 
     #[test]
+    fn the_workspace_is_the_folder_above_this_package() {
+        let manifest = std::fs::read_to_string(root().join("Cargo.toml")).unwrap();
+        assert!(manifest.contains("[workspace]"), "{}", root().display());
+        assert!(root().join("crates/gym-cli").is_dir());
+    }
+
+    #[test]
     fn commands_are_built_with_what_they_need() {
         let feature = |line: &str| Build::of(&arguments(line)).feature;
         assert_eq!(feature("conform CartPole-v1"), Some("conform"));

@@ -66,6 +66,37 @@ fn several_environments_are_measured_in_their_order() {
     assert_eq!(rows, [of("Taxi-v4"), of("CartPole-v1")].concat());
 }
 
+/// A kind that an environment lacks is left out, and the file has what the table has.
+#[test]
+fn the_file_of_a_benchmark_has_the_rows_of_its_table() {
+    let report = folder("bench-report").join("report.json");
+    let words = "bench CarRacing-v3 Taxi-v4 --kind native,make --num-envs 2 --seconds 0 --json";
+    let mut arguments: Vec<_> = words.split(' ').collect();
+    arguments.push(report.to_str().unwrap());
+    let table = prints(&arguments);
+    let rows = table.lines().skip(1);
+    let rows: Vec<Vec<_>> = rows.map(|line| line.split_whitespace().collect()).collect();
+    let named: Vec<_> = rows.iter().map(|row| row[..3].join(" ")).collect();
+    let expected = ["CarRacing-v3 make 1", "Taxi-v4 native 2", "Taxi-v4 make 1"];
+    assert_eq!(named, expected, "{table}");
+    let report = json(&report);
+    let cores = std::thread::available_parallelism().unwrap().get();
+    assert_eq!(report["cores"], cores);
+    assert!(report["gif"].is_null() && report["start"].is_null());
+    let written = report["rows"].as_array().unwrap().iter().map(|row| {
+        let text = |name: &str| row[name].as_str().unwrap().to_owned();
+        let speed = row["per_second"].as_f64().unwrap();
+        let rounded = format!("{speed:.0}");
+        vec![
+            text("id"),
+            text("kind"),
+            row["num_envs"].to_string(),
+            rounded,
+        ]
+    });
+    assert_eq!(written.collect::<Vec<_>>(), rows, "{table}");
+}
+
 /// `bench --instructions` counts what `valgrind` counts: here a program that stands in for it.
 #[cfg(unix)]
 #[test]

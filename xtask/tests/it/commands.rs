@@ -353,6 +353,22 @@ fn new_writes_every_name() {
             task == "Rocket",
             "{manifest}"
         );
+        // each dependency is the package of its name
+        let manifests = all.iter().filter(|(path, _)| path.ends_with("Cargo.toml"));
+        let lines = manifests.flat_map(|(_, text)| text.lines());
+        let of_this_workspace = lines.filter_map(|line| {
+            let (name, rest) = line.split_once(" = {")?;
+            let (_, path) = rest.split_once("path = \"")?;
+            Some((name, path.split('"').next()?))
+        });
+        let mut named = 0;
+        for (name, path) in of_this_workspace.filter(|(_, path)| path.contains("crates")) {
+            assert_eq!(path.rsplit('/').next(), Some(name), "{task}");
+            let manifest = std::path::Path::new(path).join("Cargo.toml");
+            assert!(manifest.exists(), "{}", manifest.display());
+            named += 1;
+        }
+        assert!(named >= 4, "{manifest}");
         let lock = std::fs::read(plugin.join("Cargo.lock")).unwrap();
         assert_eq!(lock, std::fs::read("../Cargo.lock").unwrap());
     }

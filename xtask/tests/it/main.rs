@@ -10,6 +10,7 @@ mod play;
 mod plugin;
 mod replay;
 mod run;
+mod transcripts;
 
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};

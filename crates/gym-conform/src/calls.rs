@@ -192,7 +192,20 @@ mod tests {
             center: [0.0, 1.0],
             radius: 2.0,
         };
-        let calls: [&dyn Fn(&mut Calls); 16] = [
+        let rect = |size, corner| Shape::Rect {
+            min: [0.0, 1.0],
+            size,
+            corner,
+        };
+        let curve = |b| [Segment::Quad([0.0, 1.0], b)];
+        let (wide, high) = (curve([2.0, 1.0]), curve([0.0, 3.0]));
+        let closed = [Segment::Move([0.0, 1.0]), Segment::Close];
+        let turned = Transform {
+            x: [0.0, 1.0],
+            y: [-1.0, 0.0],
+            origin: [0.0, 0.0],
+        };
+        let calls: [&dyn Fn(&mut Calls); 29] = [
             &|calls| calls.clear(black),
             &|calls| calls.clear(black.alpha(7)),
             &|calls| calls.fill(Shape::Polygon(&points), black),
@@ -207,6 +220,20 @@ mod tests {
             &|calls| calls.text("a", [0.0, 1.0], 2.0, Align::Left, black),
             &|calls| calls.text("a", [0.0, 1.0], 2.0, Align::Right, black),
             &|calls| calls.text("b", [0.0, 1.0], 2.0, Align::Left, black),
+            &|calls| calls.text("a", [0.0, 1.0], 2.0, Align::Center, black),
+            &|calls| calls.text("a", [0.5, 1.0], 2.0, Align::Left, black),
+            &|calls| calls.text("a", [0.0, 1.5], 2.0, Align::Left, black),
+            &|calls| calls.text("a", [0.0, 1.0], 2.5, Align::Left, black),
+            &|calls| calls.text("a", [0.0, 1.0], 2.0, Align::Left, grey),
+            // (as many bytes and numbers as the circle has)
+            &|calls| calls.text("", [0.0, 1.0], 2.0, Align::Right, black),
+            &|calls| calls.fill(rect([2.0, 3.0], 0.0), black),
+            &|calls| calls.fill(rect([3.0, 2.0], 0.0), black),
+            &|calls| calls.fill(rect([2.0, 3.0], 1.0), black),
+            &|calls| calls.fill(Shape::Path(&wide), black),
+            &|calls| calls.fill(Shape::Path(&high), black),
+            &|calls| calls.fill(Shape::Path(&closed), black),
+            &|calls| calls.push(turned),
             &|calls| calls.push(Transform::IDENTITY),
             &|calls| calls.pop(),
         ];

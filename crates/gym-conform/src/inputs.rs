@@ -294,3 +294,112 @@ fn wrong_elements(space: &Space, valid: &Array) -> Vec<Value> {
         .map(Value::Array)
         .collect()
 }
+
+#[cfg(test)]
+mod tests {
+    use gym_core::spaces::{
+        DictSpace, Discrete, MultiBinary, MultiDiscrete, TextSpace, TupleSpace,
+    };
+    use serde_json::{Value as Json, json};
+
+    use super::*;
+
+    fn of(values: &[Value]) -> Json {
+        values.iter().map(Value::to_json).collect()
+    }
+
+    /// A space of each kind, its corners, and elements between them.
+    #[test]
+    fn each_kind_of_space_has_its_corners_and_its_middle() {
+        let several = || MultiDiscrete::new([2_i64, 3]).unwrap();
+        let (first, last) = (json!([0, 0]), json!([1, 2]));
+        let shifted = Discrete::new(20).unwrap().with_start(-1).unwrap();
+        let both = TupleSpace::new([Space::discrete(3), several().into()]);
+        let named = DictSpace::new([("a", Space::discrete(3)), ("b", several().into())]);
+        let spaces: [(Space, Json, Json); 9] = [
+            (Space::discrete(3), json!([0, 1, 2]), json!([0, 1, 2])),
+            (
+                shifted.into(),
+                json!([-1, 0, 1, 2, 3, 4, 5, 6, 18]),
+                (-1..19).collect(),
+            ),
+            (
+                Space::boxed([0.0, 0.0, 0.0], [1.0, 2.0, 4.0]),
+                json!([
+                    [0.0, 0.0, 0.0],
+                    [0.5, 1.0, 2.0],
+                    [1.0, 0.0, 4.0],
+                    [0.0, 2.0, 0.0],
+                    [1.0, 2.0, 4.0]
+                ]),
+                json!([[0.25, 0.5, 1.0], [0.75, 1.5, 3.0]]),
+            ),
+            (
+                Space::boxed([-1.0, 2.0], [3.0, 4.0]),
+                json!([[-1.0, 2.0], [1.0, 3.0], [3.0, 2.0], [-1.0, 4.0], [3.0, 4.0]]),
+                json!([[0.0, 2.5], [2.0, 3.5]]),
+            ),
+            (
+                Space::boxed([0.0], [f32::INFINITY]),
+                json!([[0.0]]),
+                json!([]),
+            ),
+            (several().into(), json!([first, last]), json!([[1, 1]])),
+            (
+                MultiBinary::new([3]).unwrap().into(),
+                json!([[0, 0, 0], [1, 1, 1]]),
+                json!([]),
+            ),
+            (both.into(), json!([[0, first], [2, last]]), json!([])),
+            (
+                named.unwrap().into(),
+                json!([{"a": 0, "b": first}, {"a": 2, "b": last}]),
+                json!([]),
+            ),
+        ];
+        for (space, at_ends, within) in spaces {
+            assert_eq!(of(&corners(&space)), at_ends, "{space}");
+            assert_eq!(of(&inner(&space)), within, "{space}");
+            let all = [corners(&space), inner(&space)].concat();
+            assert!(all.iter().all(|element| space.contains(element)), "{space}");
+        }
+        let text = TextSpace::new(1, 2).unwrap().into();
+        assert!(corners(&text).is_empty() && inner(&text).is_empty());
+    }
+
+    #[test]
+    fn huge_actions_of_a_box_are_finite() {
+        let (far, most) = (f64::from(1e30_f32), f64::from(f32::MAX));
+        let expected = [-10.0, 10.0, -far, far, -most, most].map(|x| vec![x, x]);
+        let found = huge(&Space::boxed([0.0, 0.0], [1.0, 1.0]));
+        let numbers = found.iter().filter_map(Value::as_array);
+        let numbers: Vec<Vec<f64>> = numbers.map(|array| array.iter_f64().collect()).collect();
+        assert_eq!(numbers, expected);
+        assert!(huge(&Space::discrete(2)).is_empty());
+    }
+
+    /// Every element of a space is wrong in turn, and nothing that is wrong is in the space.
+    #[test]
+    fn what_is_invalid_is_outside_of_the_space() {
+        let several = MultiDiscrete::new([2_i64, 3]).unwrap().into();
+        let both = TupleSpace::new([Space::discrete(3), Space::boxed([0.0], [1.0])]).into();
+        for (space, wrong) in [
+            (Space::discrete(3), json!([-1, 3])),
+            (several, json!([[-1, 0], [2, 0], [0, -1], [0, 3]])),
+            (
+                MultiBinary::new([2]).unwrap().into(),
+                json!([[-1, 0], [2, 0], [0, -1], [0, 2]]),
+            ),
+            (both, json!([[-1, [0.0]], [3, [0.0]], [0], [0, [0.0], 0]])),
+        ] {
+            let valid = corners(&space).remove(0);
+            let found = invalid(&space, &valid);
+            assert!(found.iter().all(|action| !space.contains(action)));
+            let found = of(&found);
+            for action in wrong.as_array().unwrap() {
+                let is_there = found.as_array().unwrap().contains(action);
+                assert!(is_there, "{space}: {action} is not in {found}");
+            }
+        }
+    }
+}

@@ -313,6 +313,26 @@ mod tests {
         }
     }
 
+    /// Each part counts, even if only the last of several events has it.
+    #[test]
+    fn a_part_of_a_late_event_alone_is_compared() {
+        for (part, _) in PARTS {
+            let event = |value: u32| {
+                let mut late = json!({ "step": 0 });
+                late[part] = value.into();
+                trace(json!([{ "step": 0 }, { "step": 0 }, { "step": 0 }, late]))
+            };
+            assert_eq!(event(1).compared(), (vec![part], vec![]));
+            assert_eq!(event(1).first_difference(&event(1)), None);
+            let expected = format!("event 3, {part}: 2 for 1");
+            assert_eq!(event(1).first_difference(&event(2)), Some(expected));
+        }
+        let whole = trace(json!([{ "step": 0, "reward": 1 }]));
+        let longer = trace(json!([{ "step": 0, "reward": 1 }, { "step": 0 }]));
+        assert_eq!(whole.first_difference(&longer).unwrap(), "2 events for 1");
+        assert_eq!(longer.first_difference(&whole).unwrap(), "1 events for 2");
+    }
+
     #[test]
     fn a_difference_has_a_place_and_no_more_numbers_than_it_needs() {
         let of = |a: Json, b: Json| difference(&a, &b).unwrap();

@@ -241,6 +241,34 @@ mod tests {
 
     use super::*;
 
+    /// Every key, with a value that is not its default, is written as it was read; without any of
+    /// them a trace has the three that are always there.
+    #[test]
+    fn a_trace_is_written_as_it_was_read() {
+        let of_reset = json!({ "reset": { "seed": 7, "options": { "low": 0.5 } },
+            "observation": [1], "info": { "a": [2] }, "state": { "q": 3 }, "frame": 4,
+            "frame_masked": 5, "frame_plain": 6, "observation_crc32": 7, "observation_masked": 8 });
+        let of_step = json!({ "step": 1, "reward": -0.5, "terminated": true,
+            "truncated": false });
+        let wrapper = json!({ "name": "Mine", "kwargs": { "n": 3 } });
+        let whole = json!({ "id": "None-v0", "kwargs": { "a": 1 }, "mujoco": "3.12",
+            "wrappers": [wrapper], "render_mode": "rgb_array", "frame_mask": [[1, 2, 3, 4]],
+            "observation_mask": [[5, 6, 7, 8]], "return": 2.5, "events": [of_reset, of_step],
+            "vector": { "num_envs": 3, "autoreset_mode": "SameStep", "kind": "async",
+                "wrappers": [wrapper] } });
+        let again = |json: &serde_json::Value| {
+            let trace: Trace = serde_json::from_value(json.clone()).unwrap();
+            serde_json::to_value(trace).unwrap()
+        };
+        assert_eq!(again(&whole), whole);
+        let short = json!({ "id": "None-v0", "events": [{ "step": 0 }] });
+        let written = json!({ "id": "None-v0", "kwargs": {}, "events": [{ "step": 0 }] });
+        assert_eq!(again(&short), written);
+        let vector = json!({ "id": "None-v0", "vector": { "num_envs": 2 }, "events": [] });
+        let expected = json!({ "num_envs": 2, "autoreset_mode": "NextStep" });
+        assert_eq!(again(&vector)["vector"], expected);
+    }
+
     #[test]
     fn a_misspelt_key_is_an_error() {
         for event in [

@@ -21,6 +21,20 @@ SPACES = {
         spaces.Dict({"b": spaces.Discrete(2), "a": spaces.Text(5)}), spaces.Tuple((spaces.Box(0.0, 1.0, (2,), np.float64), spaces.Text(3)))
     ),
     "one_of": spaces.OneOf((spaces.Discrete(2), spaces.Box(0.0, 1.0, (2,), np.float32))),
+    # each with what the ones above leave as it is by default
+    "number": spaces.Box(-1.0, 2.0, (), np.float32),
+    "picture": spaces.Box(0, 255, (2, 3, 3), np.uint8),
+    "several_bounds": spaces.Box(np.array([[-1.0, 0.0]]), np.array([[2.0, 0.5]]), dtype=np.float64),
+    "half_bounded": spaces.Box(np.array([-np.inf, 0.0], np.float32), np.array([1.0, np.inf], np.float32)),
+    "shifted": spaces.MultiDiscrete([3, 4], dtype=np.int32, start=[1, -2]),
+    "grid": spaces.MultiDiscrete([[3, 4], [1, 2]], dtype=np.uint8),
+    "bits": spaces.MultiBinary(3),
+    "letters": spaces.Text(4, min_length=2, charset="abc"),
+    "stacked": spaces.Sequence(spaces.Discrete(4), stack=True),
+    "stacked_arrays": spaces.Sequence(spaces.Box(0.0, 1.0, (2,), np.float32), stack=True),
+    "arrays": spaces.Sequence(spaces.Box(0.0, 1.0, (2,), np.float32)),
+    "nested": spaces.Dict({"b": spaces.Tuple((spaces.Discrete(2), spaces.MultiBinary(2))), "a": spaces.Dict({"c": spaces.Discrete(3)})}),
+    "nodes": spaces.Graph(spaces.Discrete(3), None),
 }
 
 
@@ -40,7 +54,7 @@ class Echo(gymnasium.Env):
 
     def step(self, action):
         print("this does not disturb the pipes")
-        return action, np.float32(0.5), np.bool_(False), False, {"nested": {"list": [1, 2.5, None]}, "array": np.eye(2)}
+        return action, np.float32(0.5), np.bool_(False), False, {"nested": {"list": [1, 2.5, None]}, "array": np.eye(2), "space": str(self.action_space)}
 
     def render(self):
         return "a text" if self.render_mode == "ansi" else np.full((4, 6, 3), 9, np.uint8)

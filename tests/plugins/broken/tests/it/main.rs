@@ -2,6 +2,7 @@
 
 mod bites;
 mod matching;
+mod recorded;
 mod told;
 mod wrapped;
 mod wrong_wrappers;

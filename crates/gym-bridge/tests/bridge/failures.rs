@@ -478,14 +478,19 @@ fn spaces_that_change_in_a_step_are_an_error() {
         let mut env = widens(0).build().unwrap();
         env.reset(Reset::default().option("late", what)).unwrap();
         env.step(&action).unwrap();
-        env.step(&action).map(drop)
+        let before = [env.observation_space(), env.action_space()];
+        (env.step(&action).map(drop), before)
     };
-    late("equal").unwrap();
-    late("never").unwrap();
+    late("equal").0.unwrap();
+    late("never").0.unwrap();
     for (what, words) in [("actions", "0.5"), ("observations", "2.0")] {
-        let error = late(what).unwrap_err().to_string();
+        let (step, [observations, actions]) = late(what);
+        let error = step.unwrap_err().to_string();
+        let before = format!("and were {observations} and {actions}. Change them in `reset`.");
         assert!(
-            error.contains("the spaces changed in a step") && error.contains(words),
+            error.contains("the spaces changed in a step")
+                && error.contains(words)
+                && error.contains(&before),
             "{error}"
         );
     }

@@ -1,6 +1,6 @@
 //! The whole of what commands print, beside a recording, `xtask/tests/transcripts.txt`. After an
 //! intended change, read what differs, and record again with
-//! `GYM_UPDATE_TRANSCRIPTS=1 cargo test --package xtask --test it transcripts`.
+//! `GYM_UPDATE_KEPT=1 cargo test --package xtask --test it transcripts`.
 
 use std::fmt::Write as _;
 use std::io::Write as _;
@@ -164,7 +164,7 @@ fn commands_print_what_they_printed() {
         .map(|(line, typed)| transcript(&home, line, typed));
     let all: Vec<String> = all.collect();
     let text = all.join("\n");
-    if std::env::var_os("GYM_UPDATE_TRANSCRIPTS").is_some() {
+    if std::env::var_os("GYM_UPDATE_KEPT").is_some() {
         std::fs::write(&path, text).unwrap();
         return;
     }

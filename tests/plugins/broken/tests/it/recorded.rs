@@ -1,6 +1,6 @@
 //! How each finding begins, beside a recording, `tests/plugins/broken/findings.txt`. After an
 //! intended change, read what differs, and record again with
-//! `GYM_UPDATE_FINDINGS=1 cargo test --package broken-envs --test it recorded`.
+//! `GYM_UPDATE_KEPT=1 cargo test --package broken-envs --test it recorded`.
 
 use std::path::Path;
 
@@ -31,7 +31,7 @@ fn findings_begin_as_they_did() {
         found.map(|finding| format!("{}: {}\n", report.id, start(&finding.message)))
     });
     let text: String = lines.collect();
-    if std::env::var_os("GYM_UPDATE_FINDINGS").is_some() {
+    if std::env::var_os("GYM_UPDATE_KEPT").is_some() {
         std::fs::write(&path, text).unwrap();
         return;
     }

@@ -3,4 +3,5 @@
 mod arguments;
 mod episodes;
 mod registered;
+mod stored;
 mod view;

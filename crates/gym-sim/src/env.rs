@@ -509,6 +509,8 @@ impl Inspect for SimEnv {
 }
 
 #[cfg(test)]
+mod states;
+#[cfg(test)]
 mod tests {
     use gym_core::EnvExt;
     use mujoco_engine::Model;

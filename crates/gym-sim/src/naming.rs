@@ -5,7 +5,7 @@ use std::ops::{Bound, RangeBounds};
 use gym_core::Names;
 use mujoco_engine::Model;
 use mujoco_engine::model::{
-    BiasType, GainType, JointType, ObjectType, SensorType, TransmissionType,
+    BiasType, DynamicsType, GainType, JointType, ObjectType, SensorType, TransmissionType,
 };
 
 use crate::viewer::name;
@@ -303,6 +303,8 @@ impl<'a> Naming<'a> {
         );
         let gear = m.actuator_gear[actuator][0];
         let is_fixed = m.actuator_gaintype[actuator] == GainType::Fixed;
+        // the control of an integrated velocity is no position
+        let integrates = m.actuator_dyntype[actuator] == DynamicsType::Integrator;
         let turns = kind == Some(JointType::Hinge);
         let moves = turns || kind == Some(JointType::Slide);
         match m.actuator_biastype[actuator] {
@@ -316,6 +318,9 @@ impl<'a> Naming<'a> {
                     1.0 => format!("{force} of {name} ({unit})"),
                     most => format!("{force} of {name} ({most} {unit})"),
                 }
+            }
+            BiasType::Affine if is_fixed && gain == -bias[1] && integrates => {
+                format!("target velocity of {name}")
             }
             BiasType::Affine if is_fixed && gain == -bias[1] => match (moves, turns) {
                 (true, true) if gear == 1.0 => format!("target angle of {name} (rad)"),
@@ -362,3 +367,6 @@ fn within(range: impl RangeBounds<usize>, end: usize) -> std::ops::Range<usize> 
     };
     start.min(end)..stop.min(end)
 }
+
+#[cfg(test)]
+mod tests;

@@ -197,3 +197,22 @@ fn paddles_charge_from_when_they_are_let_go() {
         "{right} {middle} {left}"
     );
 }
+
+/// Where the second port's pins are outputs, they read as the bits that were written; directions of the
+/// first port do not matter.
+#[test]
+fn each_port_has_directions_of_its_own() {
+    // SWACNT, SWBCNT and SWCHB are written, SWCHB and SWBCNT are read
+    let ports = |a: u8, b: u8, value: u8| {
+        left(&[
+            0xa9, a, 0x8d, 0x81, 0x02, 0xa9, b, 0x8d, 0x83, 0x02, 0xa9, value, 0x8d, 0x82,
+            0x02, //
+            0xad, 0x82, 0x02, 0x85, 0x90, 0xad, 0x83, 0x02, 0x85, 0x91,
+        ])
+    };
+    let [idle, _] = ports(0x00, 0x00, 0x00);
+    for (a, b) in [(0xff, 0x00), (0x00, 0xff), (0x0f, 0xf0), (0xf0, 0x0f)] {
+        assert_eq!(ports(a, b, 0x00), [idle & !b, b], "{a:x} {b:x}");
+        assert_eq!(ports(a, b, 0xff), [idle, b], "{a:x} {b:x}");
+    }
+}

@@ -215,6 +215,43 @@ fn sticks_count_beyond_their_threshold() {
     assert_eq!((none - half, none - whole), (11_500, 23_000));
 }
 
+/// A stick at an angle, with and without the button, is the action whose name says so.
+#[test]
+fn a_stick_has_nine_places() {
+    let names = [
+        "Right",
+        "UpRight",
+        "Up",
+        "UpLeft",
+        "Left",
+        "DownLeft",
+        "Down",
+        "DownRight",
+    ];
+    let mut env = env(
+        "seaquest",
+        Config {
+            continuous: true,
+            ..one_by_one()
+        },
+    );
+    env.reset(0).unwrap();
+    let mut pushed = |radius: f32, eighths: f32, fire: f32| {
+        let angle = std::f32::consts::FRAC_PI_4 * eighths;
+        env.step(&AtariAction::Stick([radius, angle, fire]))
+            .unwrap();
+        let action = state(env.ale())["progress"]["previous"]["action"].clone();
+        action.as_str().unwrap().to_owned()
+    };
+    for (k, name) in names.into_iter().enumerate() {
+        let eighths = if k > 4 { k as f32 - 8.0 } else { k as f32 };
+        assert_eq!(pushed(1.0, eighths, 0.0), name);
+        assert_eq!(pushed(1.0, eighths, 1.0), format!("{name}Fire"));
+        assert_eq!(pushed(0.4, eighths, 0.0), "Noop");
+        assert_eq!(pushed(0.4, eighths, 1.0), "Fire");
+    }
+}
+
 /// A paddle stops at the ends of the range that its game has.
 #[test]
 fn a_paddle_stops_at_the_end_of_its_game() {

@@ -175,3 +175,116 @@ fn space_war_ends_where_ale_pys_does() {
     assert!(!over(&[(0x00, 0x75), (0x27, 0x09)]));
     assert!(!over(&[(0x00, 0x75), (0x27, 0x11)]), "ten alone ends it");
 }
+
+/// The scores and ends of games that are told apart by several bytes at once, which no lot draws.
+#[test]
+fn rare_ends_are_scored() {
+    type Bytes = &'static [(usize, u8)];
+    let cases: [(&str, Bytes, i32, bool); 19] = [
+        (
+            "superman",
+            &[(0x00, 0xac), (0x01, 0xf2), (0x1f, 0x40)],
+            5999,
+            true,
+        ),
+        (
+            "superman",
+            &[
+                (0x00, 0xac),
+                (0x01, 0xf2),
+                (0x1f, 0xff),
+                (0x62, 0x34),
+                (0x63, 0x12),
+            ],
+            5245,
+            true,
+        ),
+        (
+            "superman",
+            &[(0x00, 0xac), (0x01, 0xf2), (0x1f, 0xbf), (0x62, 0x34)],
+            0,
+            false,
+        ),
+        (
+            "superman",
+            &[(0x00, 0xad), (0x01, 0xf2), (0x1f, 0x40), (0x62, 0x34)],
+            0,
+            false,
+        ),
+        (
+            "superman",
+            &[(0x00, 0xac), (0x01, 0xf3), (0x1f, 0x40), (0x62, 0x34)],
+            0,
+            false,
+        ),
+        (
+            "tic_tac_toe_3d",
+            &[(0x7e, 0x10), (0x7f, 0xf3), (0x61, 0x08)],
+            1,
+            true,
+        ),
+        (
+            "tic_tac_toe_3d",
+            &[(0x7e, 0x10), (0x7f, 0xf3), (0x61, 0x09)],
+            -1,
+            true,
+        ),
+        (
+            "tic_tac_toe_3d",
+            &[(0x7e, 0x10), (0x7f, 0xf2), (0x61, 0x08)],
+            0,
+            false,
+        ),
+        (
+            "tic_tac_toe_3d",
+            &[(0x7e, 0x11), (0x7f, 0xf3), (0x61, 0x08)],
+            0,
+            false,
+        ),
+        ("video_chess", &[(0x61, 0x82), (0x6e, 0x00)], 1, true),
+        ("video_chess", &[(0x61, 0x82), (0x6e, 0x01)], -1, true),
+        ("video_chess", &[(0x61, 0x82), (0x6e, 0x02)], 0, false),
+        ("video_chess", &[(0x61, 0x83)], 0, false),
+        (
+            "demon_attack",
+            &[(0x01, 0xab), (0x03, 0xcd), (0x05, 0xea)],
+            0,
+            false,
+        ),
+        (
+            "demon_attack",
+            &[(0x01, 0x01), (0x03, 0x23), (0x05, 0x45)],
+            12_345,
+            false,
+        ),
+        (
+            "double_dunk",
+            &[(0x76, 0x24), (0x77, 0x10), (0x7e, 0xe7)],
+            14,
+            true,
+        ),
+        (
+            "double_dunk",
+            &[(0x76, 0x09), (0x77, 0x24), (0x7e, 0xe7)],
+            -15,
+            true,
+        ),
+        (
+            "double_dunk",
+            &[(0x76, 0x23), (0x77, 0x10), (0x7e, 0xe7)],
+            13,
+            false,
+        ),
+        (
+            "double_dunk",
+            &[(0x76, 0x24), (0x77, 0x10), (0x7e, 0xe6)],
+            14,
+            false,
+        ),
+    ];
+    for (name, bytes, score, over) in cases {
+        let (game, ram) = (games::by_name(name).unwrap(), ram(bytes));
+        let found = ((game.score)(&Ram(&ram)), (game.over)(&Ram(&ram)));
+        assert_eq!(found, (score, over), "{name} {bytes:x?}");
+    }
+}

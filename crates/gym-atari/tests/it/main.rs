@@ -11,5 +11,6 @@ mod lcg;
 mod opcodes;
 mod programs;
 mod recordings;
+mod replays;
 mod rom;
 mod shortcuts;

@@ -74,6 +74,36 @@ fn impossible_actions_are_errors() {
     );
 }
 
+/// Each number of an action must be finite; a refused action changes nothing.
+#[test]
+fn actions_that_are_no_numbers_are_refused() {
+    for (id, count) in [
+        ("LunarLanderContinuous-v2", 2),
+        ("LunarLanderContinuous-v3", 2),
+        ("BipedalWalker-v3", 4),
+        ("BipedalWalkerHardcore-v3", 4),
+        ("CarRacing-v3", 3),
+    ] {
+        let mut env = builder(id).disable_env_checker(true).build().unwrap();
+        env.reset(2).unwrap();
+        let before = env.snapshot().unwrap();
+        for at in 0..count {
+            for number in [f32::NAN, f32::INFINITY, f32::NEG_INFINITY] {
+                let mut action = vec![0.1; count];
+                action[at] = number;
+                let error = env.step(&action.into()).unwrap_err();
+                let is_named = matches!(error, gym_core::Error::InvalidAction { .. });
+                assert!(is_named, "{id}: {error}");
+                assert!(env.snapshot().unwrap() == before, "{id}: {number} at {at}");
+            }
+        }
+        for count in [count - 1, count + 1] {
+            assert!(env.step(&vec![0.1_f32; count].into()).is_err(), "{id}");
+        }
+        env.step(&vec![0.1_f32; count].into()).unwrap();
+    }
+}
+
 /// A snapshot without the broad-phase box of a fixture is an error: a step would look up the box.
 #[test]
 fn snapshots_without_a_box_are_refused() {

@@ -300,6 +300,33 @@ fn the_pointer_selects_and_pulls() {
     assert_eq!(viewer.data().xfrc_applied, [[0.0; 6]; 2]);
 }
 
+/// Whoever resets lets go: what was pulled is not pulled in the next run.
+#[test]
+fn a_reset_lets_go_of_what_is_pulled() {
+    let mut viewer = viewer(ARM);
+    let at = pixel(&viewer, viewer.data().geom_xpos[1]);
+    let resets: [fn(&mut Viewer); 3] = [
+        Viewer::reset,
+        |viewer| viewer.reset_to("1").unwrap(),
+        |viewer| {
+            viewer.set_control(0, 1e10).unwrap();
+            viewer.step(100).unwrap_err();
+        },
+    ];
+    for reset in resets {
+        viewer.reset();
+        assert!(viewer.select(at, SIZE).is_some() && viewer.is_pulling());
+        viewer.pull([at[0] + 90.0, at[1] - 90.0], SIZE);
+        viewer.step(5).unwrap();
+        let is_pulled = |viewer: &Viewer| viewer.data().xfrc_applied.iter().any(|f| *f != [0.0; 6]);
+        assert!(is_pulled(&viewer));
+        reset(&mut viewer);
+        assert!(!viewer.is_pulling() && !is_pulled(&viewer));
+        viewer.step(5).unwrap();
+        assert!(!is_pulled(&viewer));
+    }
+}
+
 #[test]
 fn a_mocap_body_goes_where_it_is_pulled() {
     let mut viewer = viewer(

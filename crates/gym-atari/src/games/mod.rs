@@ -282,3 +282,36 @@ pub fn by_name(name: &str) -> Option<&'static Game> {
 pub fn by_md5(md5: &str) -> Option<&'static Game> {
     GAMES.iter().find(|game| game.md5 == md5)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn points_become_rewards_as_the_game_counts_them() {
+        use Rewards::{Changes, Difference, Games, NeverNegative, Wrap};
+        for (rewards, before, after, reward) in [
+            (Difference, 5, 12, 7),
+            (Difference, 12, 5, -7),
+            (Wrap(100), 5, 12, 7),
+            (Wrap(100), 98, 3, 5),
+            (Wrap(100), 7, 7, 0),
+            (NeverNegative, 5, 12, 7),
+            (NeverNegative, 12, 11, 0),
+            (NeverNegative, 12, 12, 0),
+            (Games, 3, 5, 2),
+            (Games, 5, 3, -2),
+            (Games, 40, GAME_WON, 1),
+            (Games, -40, -GAME_WON, -1),
+            (Games, 2 * GAME_WON - 7, 2 * GAME_WON + 9, 16),
+            (Changes, 4, 4, 0),
+            (Changes, 4, 5, -1),
+            (Changes, 5, 4, -1),
+            (Changes, 4, 4 + GAME_WON, 100),
+            (Changes, 4, 5 + GAME_WON, 99),
+        ] {
+            let found = rewards.of(before, after);
+            assert_eq!(found, reward, "{rewards:?}: {before}, {after}");
+        }
+    }
+}

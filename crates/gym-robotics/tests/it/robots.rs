@@ -19,6 +19,16 @@ fn models() -> Option<PathBuf> {
     found
 }
 
+/// Small models of our own, on which the package plays the same.
+const OWN: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/own");
+
+/// The folders of models that are there.
+fn folders() -> Vec<PathBuf> {
+    std::iter::once(PathBuf::from(OWN))
+        .chain(models())
+        .collect()
+}
+
 /// A folder of this test that does not exist yet.
 fn folder(name: &str) -> PathBuf {
     let path = std::env::temp_dir().join(format!("gym-robotics-{name}-{}", std::process::id()));
@@ -80,13 +90,12 @@ fn episodes_on_models_are_the_packages() {
 /// The package plays the same on small models of our own, which are always there.
 #[test]
 fn episodes_on_small_models_are_the_packages() {
-    let own = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/own");
     let lines: Vec<String> = include_str!("../own.txt")
         .lines()
         .map(|line| {
             let (id, rest) = line.split_once(" {").unwrap();
             let comma = if rest.starts_with('}') { "" } else { "," };
-            format!("{id} {{\"assets\":{}{comma}{rest}", json!(own))
+            format!("{id} {{\"assets\":{}{comma}{rest}", json!(OWN))
         })
         .collect();
     assert!(lines.len() > 20, "{}", lines.len());
@@ -96,7 +105,7 @@ fn episodes_on_small_models_are_the_packages() {
 /// The names of all numbers on those models, by the checksum of a line for each.
 #[test]
 fn every_number_on_small_models_is_named() {
-    let own = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/tests/own"));
+    let own = Path::new(OWN);
     let mut text = String::new();
     for id in [
         "FetchReach-v4",
@@ -216,56 +225,80 @@ fn numbers(observation: &Value, key: &str) -> Vec<f64> {
 
 #[test]
 fn a_stored_episode_goes_on_and_its_models_may_move() {
-    let Some(models) = models() else { return };
-    for id in [
-        "FetchPickAndPlace-v4",
-        "FetchPush-v4",
-        "HandReach-v3",
-        "HandManipulateEgg_ContinuousTouchSensors-v1",
-        "FrankaKitchen-v1",
-    ] {
-        let mut env = from(id, &models).unwrap();
-        let mut actions = env.action_sampler(1).unwrap();
-        env.reset(5).unwrap();
-        for _ in 0..3 {
-            env.step(&actions.sample()).unwrap();
+    let moved = folder("moved");
+    copy(Path::new(OWN), &moved);
+    let elsewhere = [Some(moved.clone()), None];
+    for (models, elsewhere) in folders().iter().zip(elsewhere) {
+        for id in [
+            "FetchPickAndPlace-v4",
+            "FetchPush-v4",
+            "FetchReachDense-v4",
+            "HandReach-v3",
+            "HandManipulateEgg_ContinuousTouchSensors-v1",
+            "HandManipulatePenRotate-v1",
+            "FrankaKitchen-v1",
+        ] {
+            let mut env = from(id, models).unwrap();
+            let mut actions = env.action_sampler(1).unwrap();
+            env.reset(5).unwrap();
+            for _ in 0..3 {
+                env.step(&actions.sample()).unwrap();
+            }
+            let snapshot = env.snapshot().unwrap();
+            let mut clone = env.clone();
+            let next = actions.sample();
+            let step = env.step(&next).unwrap();
+            let mut other = match &elsewhere {
+                Some(folder) => from(id, folder).unwrap(),
+                None => make(id).unwrap(),
+            };
+            other.restore(&snapshot).unwrap();
+            for other in [&mut other, &mut clone] {
+                assert_eq!(other.step(&next).unwrap(), step, "{id}");
+                assert_eq!(other.info_map(), env.info_map(), "{id}");
+            }
+            let first = env.reset(()).unwrap();
+            for other in [&mut other, &mut clone] {
+                assert_eq!(other.reset(()).unwrap(), first, "{id}");
+                assert_eq!(other.info_map(), env.info_map(), "{id}");
+            }
         }
-        let snapshot = env.snapshot().unwrap();
-        let next = actions.sample();
-        let step = env.step(&next).unwrap();
-        let mut other = make(id).unwrap();
-        other.restore(&snapshot).unwrap();
-        assert_eq!(other.step(&next).unwrap(), step, "{id}");
-        assert_eq!(other.info_map(), env.info_map(), "{id}");
     }
+    fs::remove_dir_all(&moved).unwrap();
 }
 
 #[test]
 fn seeds_alone_decide_an_episode() {
-    if models().is_none() {
-        return;
+    for (folder, id) in folders().iter().flat_map(|folder| {
+        let ids = [
+            "FetchSlide-v4",
+            "HandReach-v3",
+            "HandManipulateBlockRotateZ-v1",
+            "FrankaKitchen-v1",
+        ];
+        ids.map(|id| (folder, id))
+    }) {
+        let mut env = from(id, folder).unwrap();
+        let mut actions = env.action_sampler(1).unwrap();
+        let action = actions.sample();
+        let play = |env: &mut BoxEnv| {
+            let first = env.reset(3).unwrap();
+            (first, env.info_map(), env.step(&action).unwrap())
+        };
+        let expected = play(&mut env);
+        env.reset(4).unwrap();
+        for _ in 0..3 {
+            env.step(&actions.sample()).unwrap();
+        }
+        assert_eq!(play(&mut env), expected, "{id}");
     }
-    let mut env = make("HandManipulateBlockRotateZ-v1").unwrap();
-    let mut actions = env.action_sampler(1).unwrap();
-    let play = |env: &mut BoxEnv| {
-        let first = env.reset(3).unwrap();
-        (first, env.step(&vec![0.5_f32; 20].into()).unwrap())
-    };
-    let expected = play(&mut env);
-    env.reset(4).unwrap();
-    for _ in 0..3 {
-        env.step(&actions.sample()).unwrap();
-    }
-    assert_eq!(play(&mut env), expected);
 }
 
 #[test]
 fn goals_are_rewarded_as_in_the_package() {
-    if models().is_none() {
-        return;
-    }
+    let own = Path::new(OWN);
     let near = |id: &str, x: f64| {
-        let env = make(id).unwrap();
+        let env = from(id, own).unwrap();
         let goals = env.goals().unwrap();
         let mut goal = vec![0.0; goals.goal_len()];
         let desired = goal.clone();
@@ -277,7 +310,7 @@ fn goals_are_rewarded_as_in_the_package() {
     assert_eq!(near("FetchReachDense-v4", 0.5), -0.5);
     assert_eq!(near("HandReach-v3", 0.02), -1.0);
     // the package turns the pen about its axis in single rewards, and otherwise in columns
-    let env = make("HandManipulatePenRotate-v1").unwrap();
+    let env = from("HandManipulatePenRotate-v1", own).unwrap();
     let goals = env.goals().unwrap();
     let (still, turned) = (
         [0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0],
@@ -293,9 +326,6 @@ fn goals_are_rewarded_as_in_the_package() {
 
 #[test]
 fn arguments_that_do_not_fit_say_why() {
-    if models().is_none() {
-        return;
-    }
     for (id, name, value, says) in [
         (
             "HandReach-v3",
@@ -330,17 +360,15 @@ fn arguments_that_do_not_fit_say_why() {
         ("FrankaKitchen-v1", "robot_noise_ratio", json!(1e9), "1e6"),
         ("FetchReach-v4", "reward_type", json!("best"), "reward_type"),
     ] {
-        let error = builder(id)
-            .arg(name, value)
-            .build()
-            .unwrap_err()
-            .to_string();
+        let made = builder(id).arg("assets", OWN).arg(name, value).build();
+        let error = made.unwrap_err().to_string();
         assert!(
             error.contains(name) && error.contains(says),
             "{id}: {error}"
         );
     }
     let mut env = builder("HandReach-v3")
+        .arg("assets", OWN)
         .arg("initial_qpos", json!({"robot0:FFJ2": 0.5}))
         .build()
         .unwrap();
@@ -350,12 +378,10 @@ fn arguments_that_do_not_fit_say_why() {
 
 #[test]
 fn the_kitchen_counts_what_is_done() {
-    if models().is_none() {
-        return;
-    }
     // the things begin near some of their goals
     let chores = ["light switch", "slide cabinet"];
     let mut env = builder("FrankaKitchen-v1")
+        .arg("assets", OWN)
         .arg("tasks_to_complete", json!(chores))
         .build()
         .unwrap();

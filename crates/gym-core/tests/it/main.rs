@@ -8,6 +8,7 @@ mod groups;
 mod limits;
 mod lockstep;
 mod rare;
+mod refusals;
 mod seams;
 mod spaces;
 mod window;

@@ -1,6 +1,7 @@
 //! Tests through the public interface, in one program that is linked once.
 
 mod episodes;
+mod registered;
 mod restores;
 mod reverts;
 mod spy;

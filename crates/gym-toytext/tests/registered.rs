@@ -1,9 +1,10 @@
 //! Environments made by id: older versions, and native vectors.
 
 use gym_core::vector::{Autoreset, VectorKind, VectorReset};
-use gym_core::{EnvExt, Value, VectorEnv, VectorEnvExt, builder};
+use gym_core::{Env, EnvExt, Value, VectorEnv, VectorEnvExt, builder};
 use gym_testing::native_equals_sync;
 use gym_toytext::{CliffWalking, Taxi};
+use serde_json::{Value as Json, json};
 
 /// Native vectors equal scalar environments, also after a snapshot. (100 is not a multiple of the
 /// block size.)
@@ -82,5 +83,117 @@ fn a_reset_leaves_no_last_infos() {
         let other = VectorReset::default().mask([false, true]);
         envs.reset_into(&other, &mut columns).unwrap();
         assert_eq!(last(&*envs, 0), 0, "{kind:?}");
+    }
+}
+
+/// A stored state is one that the environment can be in; both ends of each range.
+#[test]
+fn states_that_cannot_be_are_not_restored() {
+    for (id, name, possible, impossible) in [
+        (
+            "CliffWalking-v1",
+            "cell",
+            json!([0, 36, 47]),
+            json!([37, 46, 48, -1, 0.5]),
+        ),
+        (
+            "CliffWalking-v1",
+            "probability",
+            json!([0.0, 1.0]),
+            json!([-0.1, 1.1, null]),
+        ),
+        (
+            "CliffWalking-v1",
+            "last_action",
+            json!([null, "Left"]),
+            json!(["Stay", 0]),
+        ),
+        ("FrozenLake-v1", "cell", json!([0, 15]), json!([16, -1])),
+        (
+            "FrozenLake-v1",
+            "probability",
+            json!([0.0, 1.0]),
+            json!([-0.1, 1.1]),
+        ),
+        (
+            "FrozenLake-v1",
+            "last_action",
+            json!([null, "Up"]),
+            json!(["Stay", 0]),
+        ),
+        ("Taxi-v4", "encoded", json!([0, 499]), json!([500, -1])),
+        ("Taxi-v4", "fickle_step", json!([false]), json!([true, 0])),
+        (
+            "Taxi-v4",
+            "heading",
+            json!(["South", "West"]),
+            json!(["Pickup", "Dropoff", "Up"]),
+        ),
+        (
+            "Taxi-v4",
+            "last_action",
+            json!([null, "Dropoff"]),
+            json!(["Up", 0]),
+        ),
+        (
+            "Taxi-v4",
+            "probability",
+            json!([0.0, 1.0]),
+            json!([-0.1, 1.1]),
+        ),
+        (
+            "Blackjack-v1",
+            "dealer",
+            json!([[9, 1]]),
+            json!([[10, 1], [9], [9, 11]]),
+        ),
+        (
+            "Blackjack-v1",
+            "player",
+            json!([[10, 10, 10]]),
+            json!([[10, 10, 2, 1], [0, 1]]),
+        ),
+        (
+            "Blackjack-v1",
+            "suit",
+            json!(["Clubs", "Spades"]),
+            json!(["Stars", null]),
+        ),
+        (
+            "Blackjack-v1",
+            "face",
+            json!([null]),
+            json!(["King", "Ace"]),
+        ),
+    ] {
+        let mut env = builder(id).build().unwrap();
+        let mut stored = |value: &Json| {
+            env.reset(1).unwrap(); // the dealer's first card is no ten
+            let mut whole = serde_json::to_value(env.snapshot().unwrap()).unwrap();
+            let state = find(&mut whole, name).unwrap_or_else(|| panic!("{id} has no {name}"));
+            state.clone_from(value);
+            env.restore(&serde_json::from_value(whole).unwrap())
+        };
+        for value in possible.as_array().unwrap() {
+            stored(value).unwrap_or_else(|error| panic!("{id}, {name} = {value}: {error}"));
+        }
+        for value in impossible.as_array().unwrap() {
+            assert!(stored(value).is_err(), "{id}: {name} = {value}");
+        }
+    }
+}
+
+/// The first value of `key`, at any depth.
+fn find<'a>(json: &'a mut Json, key: &str) -> Option<&'a mut Json> {
+    match json {
+        Json::Object(entries) => {
+            let (found, others): (Vec<_>, Vec<_>) =
+                entries.iter_mut().partition(|(own, _)| *own == key);
+            let mut found = found.into_iter().map(|(_, value)| value);
+            let within = |(_, value)| find(value, key);
+            found.next().or_else(|| others.into_iter().find_map(within))
+        }
+        Json::Array(items) => items.iter_mut().find_map(|item| find(item, key)),
+        _ => None,
     }
 }

@@ -249,7 +249,14 @@ fn constants_that_cannot_be_are_refused() {
             .build()
             .unwrap_err()
             .to_string();
-        assert!(error.contains(reason), "{id}: {error}");
+        let (kind, _) = id.split_once("-v").unwrap();
+        // (arguments that do not exist are refused by the registry, which quotes the id)
+        let kind = match name {
+            "gravity" if kind == "Acrobot" => "`Acrobot-v1`",
+            _ => kind,
+        };
+        let start = format!("invalid argument for {kind}: {reason}");
+        assert!(error.starts_with(&start), "{id}: {error}");
     }
     let error = builder("CartPole-v1")
         .arg("kinematics_integrator", "rk4")
@@ -543,33 +550,5 @@ fn constants_set_later_take_effect() {
         assert!(error.contains("expected a number"), "{error}");
         let error = own.set_argument("mass", 1.into()).unwrap_err().to_string();
         assert!(error.contains("unknown argument `mass`"), "{error}");
-    }
-}
-
-/// Constants for which episodes would start outside of the observation space are errors of the
-/// constructor.
-#[test]
-fn every_start_lies_in_the_space() {
-    let made = |id: &str, name: &str, x: f64| builder(id).arg(name, x).build();
-    for (id, name, refused, accepted) in [
-        ("CartPole-v1", "x_threshold", 0.0, 0.03),
-        ("CartPole-v1", "theta_threshold_radians", 5e-324, 0.03),
-        ("Pendulum-v1", "max_speed", 0.5, 1.0),
-        ("Acrobot-v1", "MAX_VEL_1", 0.0, 0.1),
-        ("Acrobot-v1", "MAX_VEL_2", -0.0, 0.1),
-        ("MountainCar-v0", "min_position", -0.2, -0.6),
-        ("MountainCar-v0", "max_position", -0.5, 0.0),
-        ("MountainCarContinuous-v0", "min_position", -0.59, -0.7),
-    ] {
-        let error = made(id, name, refused).unwrap_err().to_string();
-        assert!(
-            error.contains(&format!("{name} ")) && error.contains("start"),
-            "{id}: {error}"
-        );
-        let mut env = made(id, name, accepted).unwrap();
-        for seed in 0..50 {
-            let observation = env.reset(seed).unwrap();
-            env.observation_space().check(&observation).unwrap();
-        }
     }
 }

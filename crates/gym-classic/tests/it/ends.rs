@@ -5,7 +5,7 @@ use gym_classic::{
     MountainCarContinuous, Pendulum, mountain_car, mountain_car_continuous, pendulum,
 };
 use gym_core::vector::{Autoreset, VectorEnv, VectorEnvExt, VectorReset};
-use gym_core::{Continuous, Dynamics, Env, EnvExt, Generator, Reset, Task, Value, make};
+use gym_core::{Continuous, Dynamics, Env, EnvExt, Generator, Reset, Task, Value, builder, make};
 use gym_native::NativeVectorEnv;
 
 /// Returns the rewards until the pole falls, and the reward of one further step.
@@ -356,4 +356,95 @@ fn a_snapshot_of_another_version_is_refused() {
         "{error}"
     );
     assert_eq!(other.snapshot().unwrap(), before);
+}
+
+/// Constants for which episodes would start outside of the observation space are errors of the
+/// constructor.
+#[test]
+fn every_start_lies_in_the_space() {
+    let made = |id: &str, name: &str, x: f64| builder(id).arg(name, x).build();
+    let least = |name: &str, value: f64, least: f64| {
+        format!(
+            "{name} is {value:?}: it must be at least {least:?}, because observations at the start of an episode exceed a smaller one"
+        )
+    };
+    let valley = |low: f64, high: f64| {
+        format!(
+            "min_position is {low:?} and max_position {high:?}: episodes start between -0.6 and -0.4, which must lie between the two"
+        )
+    };
+    for (id, name, refused, accepted, reason) in [
+        (
+            "CartPole-v1",
+            "x_threshold",
+            0.0,
+            0.025,
+            least("x_threshold", 0.0, 0.025),
+        ),
+        (
+            "CartPole-v1",
+            "theta_threshold_radians",
+            5e-324,
+            0.025,
+            least("theta_threshold_radians", 5e-324, 0.025),
+        ),
+        (
+            "Pendulum-v1",
+            "max_speed",
+            0.99,
+            1.0,
+            least("max_speed", 0.99, 1.0),
+        ),
+        (
+            "Acrobot-v1",
+            "MAX_VEL_1",
+            0.0,
+            0.1,
+            least("MAX_VEL_1", 0.0, 0.1),
+        ),
+        (
+            "Acrobot-v1",
+            "MAX_VEL_2",
+            -0.0,
+            0.1,
+            least("MAX_VEL_2", -0.0, 0.1),
+        ),
+        (
+            "MountainCar-v0",
+            "min_position",
+            -0.59,
+            -0.6,
+            valley(-0.59, 0.6),
+        ),
+        (
+            "MountainCar-v0",
+            "max_position",
+            -0.41,
+            -0.4,
+            valley(-1.2, -0.41),
+        ),
+        (
+            "MountainCarContinuous-v0",
+            "min_position",
+            -0.59,
+            -0.6,
+            valley(-0.59, 0.6),
+        ),
+        (
+            "MountainCarContinuous-v0",
+            "max_position",
+            -0.41,
+            -0.4,
+            valley(-1.2, -0.41),
+        ),
+    ] {
+        let error = made(id, name, refused).unwrap_err().to_string();
+        let (kind, _) = id.split_once("-v").unwrap();
+        assert_eq!(error, format!("invalid argument for {kind}: {reason}"));
+        let mut env = made(id, name, accepted).unwrap();
+        for seed in 0..50 {
+            let observation = env.reset(seed).unwrap();
+            env.observation_space().check(&observation).unwrap();
+        }
+    }
 }

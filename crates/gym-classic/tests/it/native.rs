@@ -2,7 +2,9 @@
 
 use gym_classic::cartpole::CartPoleDynamics;
 use gym_core::vector::{Autoreset, Columns, VectorKind, VectorReset};
-use gym_core::{Error, Snapshot, Task, Value, VectorEnv, VectorEnvExt, WrapperSpec, builder};
+use gym_core::{
+    Error, Inspect, Snapshot, Task, Value, VectorEnv, VectorEnvExt, WrapperSpec, builder,
+};
 use gym_native::NativeVectorEnv;
 use gym_testing::{Sum, native_equals_sync};
 use gym_wrappers::RecordEpisodeStatistics;
@@ -255,6 +257,15 @@ fn places_beyond_the_last_environment_have_no_state() {
     let dynamics = CartPoleDynamics::new(Default::default()).unwrap();
     let mut envs = NativeVectorEnv::new(dynamics, 3, None, Autoreset::NextStep).unwrap();
     assert_eq!(envs.state(0), None, "before the first reset");
+    let mut told = String::new();
+    let mut set = |env: &mut dyn Inspect| {
+        told = env.set_state(0.into()).unwrap_err().to_string();
+    };
+    envs.inspect(2, &mut set).unwrap();
+    assert!(
+        told.starts_with("cannot call `set_state` before `reset`"),
+        "{told}"
+    );
     envs.reset(0).unwrap();
     let there = [0, 2, 3, 31, 32].map(|i| envs.state(i).is_some());
     assert_eq!(there, [true, true, false, false, false]);

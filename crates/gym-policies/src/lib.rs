@@ -307,4 +307,93 @@ mod tests {
         let error = network("[", &env).err().unwrap().to_string();
         assert!(error.contains("the network of"), "{error}");
     }
+
+    /// An observation less its mean, by its deviation; then a layer; then the bounds of the action.
+    #[test]
+    fn an_action_is_the_clipped_sum_of_normalized_numbers() {
+        use gym_control as _;
+        use gym_mujoco as _;
+
+        let (seen, weights) = ([0.5, -2.0, 1.5, 3.0], [0.25, -0.5, 1.0, 0.125]);
+        let (mean, var) = ([0.0, 1.0, 0.5, 2.0], [1.0, 4.0, 0.0, 0.25]);
+        let moments = serde_json::json!({"F64": {"mean": mean, "var": var}});
+        // of 64 bits, from -3 to 3; of the variance 0, the number that is added remains
+        let env = gym_core::make("InvertedPendulum-v5").unwrap();
+        let act = |bias: f64, divisor: f64| {
+            let weights = weights.map(|weight| weight / divisor);
+            let json = serde_json::json!({
+                "network": [weights, [bias]], "normalization": {"moments": moments}
+            });
+            let mut controller = network(&json.to_string(), &env).unwrap();
+            let action = controller(&env, &Value::from(seen)).unwrap();
+            action.as_array().unwrap().iter_f64().next().unwrap()
+        };
+        let normal = |i: usize| (seen[i] - mean[i]) / (var[i] + 1e-8_f64).sqrt();
+        let sum: f64 = (0..4).map(|i| normal(i) * weights[i]).sum();
+        assert!((act(0.25, 1e4) - (sum / 1e4 + 0.25)).abs() < 1e-6);
+        assert_eq!([act(0.0, 1.0), act(0.0, -1.0)], [3.0, -3.0]);
+    }
+
+    #[test]
+    fn a_damaged_network_tells_the_damage() {
+        use gym_mujoco as _;
+
+        let env = gym_core::make("InvertedPendulum-v5").unwrap();
+        let told = |json: Json| {
+            let made = network(&json.to_string(), &env).map(drop);
+            made.map_or_else(|error| error.to_string(), |()| "made".into())
+        };
+        let moments = |mean: Json, var: Json| {
+            let moments = serde_json::json!({"F32": {"mean": mean, "var": var}});
+            let layers = serde_json::json!([[1, 2, 3, 4], [5]]);
+            told(serde_json::json!({"network": layers, "normalization": {"moments": moments}}))
+        };
+        let layers = |layers: Json| told(serde_json::json!({"network": layers}));
+        let four = || serde_json::json!([1, 1, 1, 1]);
+        let input = "its input does not fit observations of 4 numbers";
+        assert_eq!(layers(serde_json::json!([[1, 2, 3, 4], [5]])), "made");
+        assert_eq!(moments(four(), four()), "made");
+        for (told, reason) in [
+            (
+                layers(serde_json::json!([[1, 2, 3, 4]])),
+                "a layer has weights without a bias",
+            ),
+            (
+                layers(serde_json::json!([[1, 2, 3], [5]])),
+                "a layer from 4 to 1 numbers has 3 weights",
+            ),
+            (
+                layers(serde_json::json!([
+                    [1, 2, 3, 4, 5, 6, 7, 8],
+                    [5, 6],
+                    [1],
+                    [2]
+                ])),
+                "a layer from 2 to 1 numbers has 1 weights",
+            ),
+            (
+                layers(serde_json::json!([[1, 2, 3, 4, 5, 6, 7, 8], [5, 6]])),
+                "its output has 2 numbers, and an action 1",
+            ),
+            (
+                layers(serde_json::json!([])),
+                "its output has 4 numbers, and an action 1",
+            ),
+            (moments(serde_json::json!([1, 1, 1]), four()), input),
+            (moments(four(), serde_json::json!([1, 1, 1, 1, 1])), input),
+        ] {
+            assert_eq!(
+                told,
+                format!("invalid argument for the network of {env}: {reason}")
+            );
+        }
+        for (told, part) in [
+            (layers(serde_json::json!("x")), "`network`: "),
+            (moments(serde_json::json!("x"), four()), "`mean`: "),
+            (moments(four(), serde_json::json!("x")), "`var`: "),
+        ] {
+            let start = format!("invalid argument for the network of {env}: {part}");
+            assert!(told.starts_with(&start), "{told}");
+        }
+    }
 }

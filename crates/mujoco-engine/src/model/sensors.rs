@@ -168,7 +168,7 @@ sensors! {
     /// Potential energy.
     "e_potential" EPotential = 43, Nothing, 1, Position;
     /// Kinetic energy.
-    "e_kinetic" EKinetic = 44, Nothing, 1, Velocity;
+    "e_kinetic" EKinetic = 44, Nothing, 1, Position;
     /// Time.
     "clock" Clock = 45, Nothing, 1, Position;
 }

@@ -1,5 +1,6 @@
 //! Spatial inertias and motion axes about the centres of mass of the trees.
 
+use super::sleep;
 use crate::math::number::{self, Number, get, put};
 use crate::math::spatial::{add, column, cross, inertia_at, join, scale, sub};
 use crate::model::JointType;
@@ -30,33 +31,47 @@ pub fn com_pos(m: &Model, d: &mut Data) {
         cinert: &mut d.cinert,
         cdof: &mut d.cdof,
     };
-    com_pos_of::<f64>(m, (), inertias);
+    if m.plan().sleeps {
+        let awake = &d.work.tree_awake;
+        com_pos_of::<f64>(m, (), inertias, |b| sleep::body_sleeps(m, awake, b));
+    } else {
+        com_pos_of::<f64>(m, (), inertias, |_| false);
+    }
 }
 
-/// [`com_pos`] for one world or several.
+/// [`com_pos`] for one world or several. `asleep` tells whether a body sleeps.
 #[inline(always)]
-pub(crate) fn com_pos_of<N: Number>(m: &Model, at: N::At, numbers: Inertias<'_, N::Cell>) {
+pub(crate) fn com_pos_of<N: Number>(
+    m: &Model,
+    at: N::At,
+    numbers: Inertias<'_, N::Cell>,
+    asleep: impl Fn(usize) -> bool,
+) {
     // slices of equal length let the compiler check an index once for all of them
     let n = m.nbody();
     let bodies = &m.plan().bodies[..n];
     let (xipos, ximat) = (&numbers.xipos[..n], &numbers.ximat[..n]);
     let (com, cinert) = (&mut numbers.subtree_com[..n], &mut numbers.cinert[..n]);
+    let centre = |b: usize, moment| match bodies[b].inverse_mass {
+        Some(inverse) => scale(moment, inverse),
+        None => get::<N, 3>(at, &xipos[b]),
+    };
     for b in 0..n {
         let part = scale(get::<N, 3>(at, &xipos[b]), bodies[b].mass);
         put(at, part, &mut com[b]);
     }
     for b in (1..n).rev() {
         let parent = bodies[b].parent;
-        let (sum, part) = (get::<N, 3>(at, &com[parent]), get::<N, 3>(at, &com[b]));
+        let (sum, mut part) = (get::<N, 3>(at, &com[parent]), get::<N, 3>(at, &com[b]));
+        if asleep(b) && !asleep(parent) {
+            // of what sleeps, MuJoCo keeps the centre, not the moment
+            part = scale(centre(b, part), m.body_subtreemass[b]);
+        }
         put(at, add(sum, part), &mut com[parent]);
     }
     for b in 0..n {
         let body = &bodies[b];
-        let centre = match body.inverse_mass {
-            Some(inverse) => scale(get(at, &com[b]), inverse),
-            None => get::<N, 3>(at, &xipos[b]),
-        };
-        put(at, centre, &mut com[b]);
+        put(at, centre(b, get(at, &com[b])), &mut com[b]);
         if b > 0 {
             let offset = sub(get::<N, 3>(at, &xipos[b]), get(at, &com[body.root]));
             let mat = get(at, &ximat[b]);

@@ -522,7 +522,8 @@ impl Data {
         self.work.skips = false;
         self.last = Some(call);
         copy_state!(self => self.before, self.work.pushed);
-        if m.plan().sleeps {
+        // data may have served a model with sleep
+        if m.plan().sleeps || !self.before.tree_asleep.is_empty() {
             let mut before = std::mem::take(&mut self.before);
             self.put_asleep(&mut before);
             self.before = before;

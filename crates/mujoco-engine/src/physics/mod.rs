@@ -150,8 +150,8 @@ pub fn step(m: &Model, d: &mut Data) {
 }
 
 /// A timestep that another follows: it computes only what the next one needs. Unlike [`step`], it
-/// does not store its start, so a snapshot taken after it holds only the state; and sensors, energy
-/// and frames of geoms and sites that no stage reads keep their old values. (Where bodies may fall
+/// does not store its start, so a snapshot taken after it holds only the state; and sensors and
+/// frames of geoms and sites that no stage reads keep their old values. (Where bodies may fall
 /// asleep, sensors are measured, because those of sleeping bodies keep what was measured last.)
 ///
 /// # Panics
@@ -177,6 +177,8 @@ fn advance(m: &Model, d: &mut Data, measures: bool) {
     d.work.skips = skips;
     if measures {
         measure(m, d, &ALL);
+    } else {
+        energy::update(m, d);
     }
     if in_stages {
         runge_kutta(m, d);
@@ -323,6 +325,7 @@ fn fwd_position(m: &Model, d: &mut Data) {
     com_pos(m, d);
     tendon(m, d);
     if sleeps {
+        sleep::leave_out_tendons(m, d);
         sleep::wake_by_tendons(m, d);
     }
     crb(m, d);

@@ -170,7 +170,7 @@ fn limit_row(d: &Data, source: Source) -> Option<usize> {
     found.next().map(|block| block.row)
 }
 
-fn of_position<O: Order>(m: &Model, d: &Data, i: usize) -> Quat {
+fn of_position<O: Order>(m: &Model, d: &mut Data, i: usize) -> Quat {
     let ((kind, id), reference) = objects(m, i);
     match m.sensor_type[i] {
         SensorType::Magnetometer => three(rotate_back(&d.site_xmat[id], m.opt.magnetic)),
@@ -231,6 +231,9 @@ fn of_position<O: Order>(m: &Model, d: &Data, i: usize) -> Quat {
         }
         SensorType::SubtreeCom => three(d.subtree_com[id]),
         SensorType::EPotential => one(potential(m, d)),
+        // if the model computes the energy, the sensor has the energy of the last evaluation, if there was one
+        SensorType::EKinetic if computed(m) && d.knows_energy => one(d.energy[1]),
+        SensorType::EKinetic => one(kinetic(m, d)),
         _ => one(d.time),
     }
 }
@@ -239,7 +242,7 @@ fn limit_distance(d: &Data, source: Source) -> Quat {
     one(limit_row(d, source).map_or(0.0, |row| d.efc.pos[row] - d.efc.margin[row]))
 }
 
-fn of_velocity(m: &Model, d: &mut Data, i: usize) -> Quat {
+fn of_velocity(m: &Model, d: &Data, i: usize) -> Quat {
     let ((kind, id), reference) = objects(m, i);
     let limit = |source| one(limit_row(d, source).map_or(0.0, |row| d.efc.vel[row]));
     match m.sensor_type[i] {
@@ -272,10 +275,7 @@ fn of_velocity(m: &Model, d: &mut Data, i: usize) -> Quat {
             })
         }
         SensorType::SubtreeLinVel => three(d.subtree_linvel[id]),
-        SensorType::SubtreeAngMom => three(d.subtree_angmom[id]),
-        // if the model computes the energy, the sensor has the energy of the last evaluation, if there was one
-        _ if computed(m) && d.knows_energy => one(d.energy[1]),
-        _ => one(kinetic(m, d)),
+        _ => three(d.subtree_angmom[id]),
     }
 }
 
@@ -451,19 +451,23 @@ fn object_acceleration(m: &Model, d: &Data, kind: ObjectType, id: usize, own_axe
     join(rotation(&acceleration), moving)
 }
 
-/// Computes `subtree_linvel` and `subtree_angmom`: MuJoCo's `mj_subtreeVel`.
+/// Computes `subtree_linvel` and `subtree_angmom`: MuJoCo's `mj_subtreeVel`. Bodies that sleep keep theirs, and are not
+/// counted.
 fn subtree_vel(m: &Model, d: &mut Data) {
     let mut velocities = std::mem::take(&mut d.work.body_velocity);
     velocities.clear();
-    for b in 0..m.nbody() {
+    velocities.resize(m.nbody(), [0.0; 6]);
+    let awake = std::mem::take(&mut d.work.tree_awake);
+    let counts = |b: &usize| !m.plan().sleeps || !sleep::body_sleeps(m, &awake, *b);
+    for b in (0..m.nbody()).filter(counts) {
         let velocity = object_velocity(m, d, ObjectType::Body, b, false);
         d.subtree_linvel[b] = scale(translation(&velocity), m.body_mass[b]);
         let local = rotate_back(&d.ximat[b], rotation(&velocity));
         let local = std::array::from_fn(|k| local[k] * m.body_inertia[b][k]);
         d.subtree_angmom[b] = rotate(&d.ximat[b], local);
-        velocities.push(velocity);
+        velocities[b] = velocity;
     }
-    for b in (0..m.nbody()).rev() {
+    for b in (0..m.nbody()).rev().filter(counts) {
         if b > 0 {
             let parent = m.body_parentid[b];
             d.subtree_linvel[parent] = add(d.subtree_linvel[parent], d.subtree_linvel[b]);
@@ -471,7 +475,7 @@ fn subtree_vel(m: &Model, d: &mut Data) {
         let mass = f64::max(MINVAL, m.body_subtreemass[b]);
         d.subtree_linvel[b] = scale(d.subtree_linvel[b], 1.0 / mass);
     }
-    for b in (1..m.nbody()).rev() {
+    for b in (1..m.nbody()).rev().filter(counts) {
         let parent = m.body_parentid[b];
         // first about the body's own centre of mass, then about the parent's
         let dx = sub(d.xipos[b], d.subtree_com[b]);
@@ -484,5 +488,6 @@ fn subtree_vel(m: &Model, d: &mut Data) {
         let moved = cross(dx, scale(dv, m.body_subtreemass[b]));
         d.subtree_angmom[parent] = add(d.subtree_angmom[parent], moved);
     }
+    d.work.tree_awake = awake;
     d.work.body_velocity = velocities;
 }

@@ -274,6 +274,23 @@ pub(super) fn wake_disturbed(m: &Model, d: &mut Data) {
     update(d);
 }
 
+/// Whether a body is of a tree that sleeps.
+pub(super) fn body_sleeps(m: &CompiledModel, awake: &[bool], body: usize) -> bool {
+    of_body(m, awake, body) == State::Asleep
+}
+
+/// Leaves out the tendons of which all trees sleep, as MuJoCo does: what wakes later in a step is not pulled by them before
+/// the next.
+#[cold]
+pub(super) fn leave_out_tendons(m: &Model, d: &mut Data) {
+    for t in 0..m.ntendon() {
+        if of_tendon(m, &d.work.tree_awake, t) == State::Asleep {
+            d.ten_length[t] = 0.0;
+            d.ten_j[m.plan().paths.rows[t].clone()].fill(0.0);
+        }
+    }
+}
+
 /// Wakes trees that a tendon at its limit connects to trees that are awake: MuJoCo's `mj_wakeTendon`.
 #[cold]
 pub(super) fn wake_by_tendons(m: &Model, d: &mut Data) {

@@ -417,13 +417,9 @@ fn data_tells_the_state_that_its_last_call_started_from() {
     };
     let mut d = Data::new(&m);
     assert!(d.start().is_none());
-    let calls: [(&str, fn(&Model, &mut Data)); 4] = [
-        ("step", step),
-        ("step1", step1),
-        ("step2", step2),
-        ("forward", forward),
-    ];
-    for (number, (name, call)) in (1..).zip(calls) {
+    let calls = [step, step1, step2, forward];
+    let names = ["step", "step1", "step2", "forward"];
+    for (number, (name, call)) in (1..).zip(names.into_iter().zip(calls)) {
         // after a step, a second half has no first half to go on from
         d.reset(&m);
         step(&m, &mut d);

@@ -351,3 +351,49 @@ fn a_fused_body_leaves_its_parts_to_its_parent() {
     );
     assert!((fused.body_mass[1] - whole.body_mass[1] - whole.body_mass[2]).abs() < 1e-12);
 }
+
+/// An exclude is a number of both bodies, the smaller one first, whichever is named first.
+#[test]
+fn excluded_bodies_are_numbered_as_a_pair() {
+    let names = ["a", "b", "c", "d"];
+    let bodies: String = names
+        .iter()
+        .map(|name| format!("<body name=\"{name}\"><freejoint/><geom size=\".1\"/></body>"))
+        .collect();
+    let exclude = |one: &str, other: &str| {
+        let text = format!(
+            r#"<mujoco><worldbody>{bodies}</worldbody><contact><exclude body1="{one}" body2="{other}"/></contact></mujoco>"#
+        );
+        let m = Model::from_xml(&text).unwrap();
+        let mut d = Data::new(&m);
+        forward(&m, &mut d);
+        (m.exclude_signature[0], d.contact.len())
+    };
+    for (i, one) in names.iter().enumerate() {
+        for (j, other) in names.iter().enumerate().filter(|(j, _)| *j != i) {
+            let (first, second) = (i.min(j) + 1, i.max(j) + 1);
+            // four balls at one place touch in six pairs
+            assert_eq!(
+                exclude(one, other),
+                ((first as u32) << 16 | second as u32, 5)
+            );
+        }
+    }
+}
+
+/// A range of actuator forces limits slides and hinges; other joints keep it without effect.
+#[test]
+fn actuator_forces_are_limited_at_slides_and_hinges() {
+    for (kind, limited) in [
+        ("free", false),
+        ("ball", false),
+        ("slide", true),
+        ("hinge", true),
+    ] {
+        let text = format!(
+            r#"<mujoco><worldbody><body><joint type="{kind}" actuatorfrcrange="-1 2"/><geom size=".1"/></body></worldbody></mujoco>"#
+        );
+        let m = Model::from_xml(&text).unwrap();
+        assert_eq!(m.jnt_actfrclimited, [limited], "{kind}");
+    }
+}

@@ -26,6 +26,7 @@ fn files() -> BTreeMap<String, Vec<u8>> {
         ("odd.obj", b"f 0 1 2\n".to_vec()),
         ("zero.obj", shape("1 2 x")),
         ("corner.obj", shape("1/9 2/9 3/9")),
+        ("before.obj", shape("-9 2 3")),
         ("normal.obj", shape("1//1 2 3\nvn 0 0 1\nvn 1 0 0")),
         ("texture.obj", shape("1/1 2 3\nvt 0 0\nvt 1 0")),
         ("empty.obj", Vec::new()),

@@ -165,7 +165,8 @@ impl Actuator {
             "adhesion" => {
                 element.set_non_negative("gain", &mut self.gainprm[0])?;
                 self.ctrl_limited = Some(true);
-                self.imply(DynamicsType::None, GainType::Fixed, BiasType::None);
+                // the dynamics of a class of another kind remain, as in libmujoco
+                self.imply(self.dynamics, GainType::Fixed, BiasType::None);
                 if self.ctrl_range.iter().any(|x| *x < 0.0) {
                     let reason = "must not be negative here";
                     return Err(self.place.attribute("ctrlrange", reason));

@@ -26,11 +26,11 @@ impl Data {
 
     /// Stores which trees sleep, and what they keep.
     pub(super) fn put_asleep(&self, state: &mut State) {
+        state.tree_asleep.clone_from(&self.tree_asleep);
+        state.asleep.clear();
         if self.tree_asleep.is_empty() {
             return;
         }
-        state.tree_asleep.clone_from(&self.tree_asleep);
-        state.asleep.clear();
         for array in [
             &self.asleep_qpos,
             &self.qfrc_smooth,

@@ -56,7 +56,7 @@ impl Arrays {
             cinert: &mut self.cinert,
             cdof: &mut self.cdof,
         };
-        com_pos_of::<Lanes<S>>(m, at, inertias);
+        com_pos_of::<Lanes<S>>(m, at, inertias, |_| false);
     }
 
     /// Computes the inertia matrix and its factors.

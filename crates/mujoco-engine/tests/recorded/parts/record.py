@@ -128,7 +128,7 @@ def tendons():
             around = f'<geom geom="post"{f" sidesite={chr(34)}{side}{chr(34)}" if side else ""}/>'
             text = f'<tendon><spatial name="t" range="0 .35" stiffness="5" damping=".3"><site site="s0"/>{around}<site site="s1"/></spatial><spatial name="u"><site site="s0"/>{around}<site site="s2"/><pulley divisor="2"/><site site="s1"/><site site="fixed"/></spatial></tendon>'
             yield model(f"wrap {shape} {side}", world=balls.format(shape), more=text + '<actuator><motor tendon="t"/></actuator><sensor><tendonpos tendon="t"/><tendonvel tendon="u"/></sensor>')
-    for attributes in ('stiffness="9" springlength=".1"', 'stiffness="9" springlength=".1 .3"', 'damping="2"', 'frictionloss=".3"', 'range=".1 .2" solreflimit=".01 1" margin=".01"', 'armature=".1"', 'stiffness="3 1 2" damping="1 .5"'):
+    for attributes in ('stiffness="9" springlength=".1"', 'stiffness="9" springlength=".1 .3"', 'damping="2"', 'frictionloss=".3"', 'range=".1 .2" solreflimit=".01 1" margin=".01"', 'armature=".1"', 'stiffness="3 1 2" damping="1 .5"', 'stiffness="0 1 2"', 'damping="0 .5"'):
         for integrator in ("Euler", "implicit"):
             text = f'<tendon><spatial name="t" {attributes}><site site="s0"/><site site="s2"/></spatial><fixed name="f" {attributes}><joint joint="slide" coef="2"/><joint joint="hinge" coef="-1"/></fixed></tendon>'
             yield model(f"tendon {integrator} {attributes[:20]}".replace('"', ""), option=f'integrator="{integrator}"', more=text)
@@ -157,12 +157,35 @@ def forces():
                     more='<equality><joint joint1="slide" joint2="hinge"/></equality><actuator><motor joint="hinge" ctrlrange="-.1 .2"/></actuator><sensor><gyro site="s2"/></sensor>')
     for flag in ('fwdinv="enable"', 'invdiscrete="enable"', 'multiccd="enable"', 'energy="enable"', 'sleep="enable"'):
         yield model(f"with {flag}".replace('"', ""), flag=flag, option='o_margin=".02" o_solref=".03 .8" o_solimp=".8 .9 .01 .5 2" o_friction=".5 .4 .01 .02 .03"', base=LOW)
-    for joint in ('stiffness="3" springref="20" ref="10"', 'stiffness="3 1 2"', 'damping=".3 .1 .2"', 'springdamper=".1 .8"', 'frictionloss=".2" solreffriction=".05 1" solimpfriction=".5 .6 .1"', 'range="-9 9" margin=".1" solimplimit=".5 .9 .05 .3 3"',
+    for joint in ('stiffness="3" springref="20" ref="10"', 'stiffness="3 1 2"', 'stiffness="0 0 2"', 'damping=".3 .1 .2"', 'damping="0 .1"', 'springdamper=".1 .8"', 'frictionloss=".2" solreffriction=".05 1" solimpfriction=".5 .6 .1"', 'range="-9 9" margin=".1" solimplimit=".5 .9 .05 .3 3"',
                   'actuatorfrcrange="-.1 .2"', 'actuatorgravcomp="true"', 'limited="false" range="-1 1"', 'pos=".1 .2 .3" axis="1 2 3"'):
         for kind in ("hinge", "slide", "ball"):
             own = joint if kind != "ball" else joint.replace(' ref="10"', "").replace("-9", "0").replace("-1 1", "0 1")
             body = f'<body pos="1 0 1" gravcomp=".7"><joint name="j" type="{kind}" {own}/><geom type="box" size=".1 .2 .05" pos=".1 0 0"/></body>'
             yield model(f"{kind} {joint[:24]}".replace('"', ""), base=body, more='<actuator><motor joint="j" gear="2"/></actuator>')
+    field = '<asset><hfield name="h" nrow="3" ncol="3" size=".2 .3 .1 .1" elevation="0 1 0 2 3 1 0 1 0"/><mesh name="m" vertex="-.1 -.1 -.1 .1 -.1 -.1 0 .1 -.1 0 0 .1"/></asset>'
+    eyes = "".join(f'<site name="e{k}" pos="{pos}" zaxis="{axis}"/>' for k, (pos, axis) in enumerate((
+        (".5 0 -.05", "-1 0 0"), ("-.5 .1 -.05", "1 0 0"), ("0 .6 -.05", "0 -1 0"), (".05 -.6 -.05", "0 1 0"), ("0 .1 -.5", "0 0 1"), (".05 .1 .5", "0 0 -1"), (".5 .05 .03", "-1 0 0"), ("0 .5 .02", "0 -1 0"),
+        ("1 0 .12", "0 0 -1"), ("1.02 .01 -.15", "0 0 1"), ("1.3 0 0", "-1 0 0"), ("1 -.12 0", "0 1 0"), ("1 0 0", "0 0 1"))))
+    world = f'<body name="turned" euler="{{}}"><geom type="hfield" hfield="h"/><geom type="mesh" mesh="m" pos="1 0 0"/>{eyes}</body><body pos="3 0 0"><freejoint/><geom size=".1"/></body>'
+    rays = "".join(f'<rangefinder site="e{k}" data="dist point normal"/>' for k in range(13))
+    for turn in ("0 0 0", "20 30 40"):
+        yield model(f"normals {turn}", base=world.format(turn), more=f"{field}<sensor>{rays}</sensor>")
+    for vmax in (".001", ".02", ".3"):
+        for fvmax in ("1.1", "1.7"):
+            yield model(f"muscle {vmax} {fvmax}", more=f'<actuator><muscle joint="slide" lengthrange="-.2 .2" vmax="{vmax}" fvmax="{fvmax}" force="3"/><muscle joint="hinge" lengthrange="-1 1" vmax="{vmax}" fvmax="{fvmax}" force="3"/></actuator>')
+    for step in ("1.5", "1.8", "2.5", "4", "7"):
+        spun = '<body><freejoint/><inertial pos=".1 .02 .03" quat=".9 .1 .3 .2" mass="1" diaginertia="1 2 2.5"/><geom size=".1"/></body>'
+        for integrator in ("implicitfast", "Euler"):
+            yield model(f"spin {integrator} {step}", option=f'timestep="{step}" gravity="0 0 0" integrator="{integrator}"', base=spun)
+    for kind, turn in (("hinge", "30"), ("slide", ".2"), ("ball", "")):
+        for stiffness in ("3", "0 2", "0 0 2"):
+            own = f'stiffness="{stiffness}"' + (f' springref="{turn}"' if turn else "")
+            body = f'<body pos="1 0 1"><joint name="j" type="{kind}" {own}/><geom type="box" size=".1 .2 .05" pos=".1 0 0"/></body>'
+            yield model(f"energy {kind} {stiffness}", base=body, more="<sensor><e_potential/><e_kinetic/></sensor>")
+    for stiffness in ("9", "0 2", "0 0 2"):
+        text = f'<tendon><spatial stiffness="{stiffness}" springlength=".1 .2"><site site="s0"/><site site="s2"/></spatial></tendon>'
+        yield model(f"energy tendon {stiffness}", more=text + "<sensor><e_potential/><e_kinetic/></sensor>")
     yield model("free joint", base='<body pos="0 0 .1"><joint type="free" damping=".3" armature=".2" frictionloss=".1" stiffness="2"/><geom type="box" size=".1 .2 .05"/></body><geom type="plane" size="1 1 1"/>')
     mocap = '<body name="hold" mocap="true" pos=".3 0 .6" euler="10 20 30"><geom size=".05" contype="0" conaffinity="0"/></body>'
     yield model("mocap", world=mocap, more='<equality><weld body1="hold" body2="a" solref=".05 1"/><connect body1="hold" body2="tip" anchor="0 0 .1"/></equality>')

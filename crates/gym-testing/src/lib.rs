@@ -2,14 +2,12 @@
 
 mod count;
 mod digest;
-mod facts;
 mod kept;
 mod native;
 mod replay;
 
 pub use count::Count;
 pub use digest::{Digest, Sum};
-pub use facts::facts;
 pub use kept::kept;
 pub use native::native_equals_sync;
 pub use replay::{lines, replay};

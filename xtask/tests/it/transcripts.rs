@@ -7,6 +7,8 @@ use std::io::Write as _;
 use std::path::Path;
 use std::process::Stdio;
 
+use gym_testing::kept;
+
 use super::{folder, program};
 
 /// Command lines, whose words have a space between them, and what is typed.
@@ -163,21 +165,5 @@ fn commands_print_what_they_printed() {
         .iter()
         .map(|(line, typed)| transcript(&home, line, typed));
     let all: Vec<String> = all.collect();
-    let text = all.join("\n");
-    if std::env::var_os("GYM_UPDATE_KEPT").is_some() {
-        std::fs::write(&path, text).unwrap();
-        return;
-    }
-    let recorded = std::fs::read_to_string(&path).unwrap();
-    for transcript in &all {
-        let line = transcript.lines().next().unwrap();
-        assert!(
-            recorded.contains(&format!("{transcript}\n$ ")) || recorded.ends_with(&**transcript),
-            "{line} was recorded otherwise, or was not: now it is\n{transcript}"
-        );
-    }
-    assert_eq!(
-        text, recorded,
-        "a recording is left over, or in another place"
-    );
+    kept(&path, &all.join("\n"));
 }

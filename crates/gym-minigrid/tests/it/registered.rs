@@ -314,12 +314,3 @@ fn both_tasks_of_a_state_are_checked() {
     }
     env.inspect_mut().unwrap().set_state(state).unwrap();
 }
-
-/// Specs, pages, arguments with their defaults, and what environments say of themselves.
-#[test]
-fn what_is_registered_is_as_kept() {
-    let path = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/it/facts.txt");
-    gym_testing::facts("gym-minigrid", include_str!("facts.txt"), path, |one| {
-        make(one.id()).ok()
-    });
-}

@@ -22,7 +22,7 @@ const IDS: [&str; 9] = [
 ];
 
 /// Changes of a part of a stored world, each with its path.
-fn damages(json: &Json, key: &str, path: String, found: &mut Vec<(String, Json)>) {
+fn damages(json: &Json, key: &str, path: &str, found: &mut Vec<(String, Json)>) {
     match json {
         Json::Object(entries) if entries.len() == 2 && entries.contains_key("x") => {
             let far = [
@@ -30,17 +30,17 @@ fn damages(json: &Json, key: &str, path: String, found: &mut Vec<(String, Json)>
                 json!({"x": 1, "y": 300}),
                 json!({"x": -2, "y": 1}),
             ];
-            found.extend(far.map(|place| (path.clone(), place)));
+            found.extend(far.map(|place| (path.to_owned(), place)));
         }
         Json::Object(entries) => {
             for (key, json) in entries {
-                damages(json, key, format!("{path}/{key}"), found);
+                damages(json, key, &format!("{path}/{key}"), found);
             }
         }
         Json::Array(items) => {
             let ends = BTreeSet::from([0, items.len().saturating_sub(1)]);
             for (at, json) in ends.into_iter().filter_map(|at| Some((at, items.get(at)?))) {
-                damages(json, key, format!("{path}/{at}"), found);
+                damages(json, key, &format!("{path}/{at}"), found);
             }
         }
         Json::Number(number) => {
@@ -60,7 +60,7 @@ fn damages(json: &Json, key: &str, path: String, found: &mut Vec<(String, Json)>
                 "width" | "height" => vec![0, number + 1],
                 _ => Vec::new(),
             };
-            found.extend(others.iter().map(|other| (path.clone(), json!(other))));
+            found.extend(others.iter().map(|other| (path.to_owned(), json!(other))));
         }
         _ => {}
     }
@@ -77,7 +77,7 @@ fn every_part_of_a_stored_world_is_checked() {
             let stored = serde_json::to_value(env.snapshot().unwrap()).unwrap();
             let state = world(&stored).clone();
             let mut found = Vec::new();
-            damages(&state, "", String::new(), &mut found);
+            damages(&state, "", "", &mut found);
             for (path, other) in found {
                 let mut damaged = state.clone();
                 *damaged.pointer_mut(&path).unwrap() = other.clone();

@@ -4,10 +4,11 @@
 //! `GYM_UPDATE_KEPT=1 cargo test --package gym-sim pictures`.
 
 use std::fmt::Write;
+use std::path::Path;
 use std::sync::Arc;
 
 use gym_render::DrawLog;
-use gym_testing::Digest;
+use gym_testing::{Digest, kept};
 use mujoco_engine::Model;
 
 use super::Viewer;
@@ -163,13 +164,6 @@ fn pictures_are_as_kept() {
             writeln!(found, "{scene} of {geoms} geoms: {drawn}, depths {depth}").unwrap();
         }
     }
-    if std::env::var_os("GYM_UPDATE_KEPT").is_some() {
-        let path = concat!(env!("CARGO_MANIFEST_DIR"), "/src/viewer/pictures.txt");
-        std::fs::write(path, &found).unwrap();
-    }
-    let kept = include_str!("pictures.txt");
-    for (found, kept) in found.lines().zip(kept.lines()) {
-        assert_eq!(found, kept);
-    }
-    assert_eq!(found.lines().count(), kept.lines().count());
+    let path = concat!(env!("CARGO_MANIFEST_DIR"), "/src/viewer/pictures.txt");
+    kept(Path::new(path), &found);
 }

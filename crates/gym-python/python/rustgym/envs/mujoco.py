@@ -437,10 +437,11 @@ class MujocoEnv(ClassEnv):
     @cached_property
     def mujoco_renderer(self) -> Any:
         """Gymnasium's renderer of ``model`` and ``data``, which needs MuJoCo's package."""
+        model, data = self.model, self.data
         camera = self._given.get("default_camera_config")
         if camera is None:
             camera = getattr(import_module(self._theirs().__module__), "DEFAULT_CAMERA_CONFIG", {})
-        return renderer(self.model, self.data, camera, self.arguments)
+        return renderer(model, data, camera, self.arguments)
 
     def _arrays(self) -> dict[str, Any]:
         arrays = self._native.mujoco_data()

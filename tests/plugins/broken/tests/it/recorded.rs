@@ -4,6 +4,8 @@
 
 use std::path::Path;
 
+use gym_testing::kept;
+
 use super::bites::REPORTS;
 
 /// Returns the start of a text, up to its first fraction or quoted text: these may depend on chance.
@@ -31,17 +33,5 @@ fn findings_begin_as_they_did() {
         found.map(|finding| format!("{}: {}\n", report.id, start(&finding.message)))
     });
     let text: String = lines.collect();
-    if std::env::var_os("GYM_UPDATE_KEPT").is_some() {
-        std::fs::write(&path, text).unwrap();
-        return;
-    }
-    let recorded = std::fs::read_to_string(&path).unwrap();
-    let missing = |a: &str, b: &str| {
-        let lost = a
-            .lines()
-            .filter(|line| !b.lines().any(|other| other == *line));
-        lost.map(str::to_owned).collect::<Vec<_>>()
-    };
-    assert_eq!(missing(&text, &recorded), missing(&recorded, &text));
-    assert_eq!(text, recorded);
+    kept(&path, &text);
 }

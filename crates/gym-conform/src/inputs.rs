@@ -383,7 +383,11 @@ mod tests {
     fn what_is_invalid_is_outside_of_the_space() {
         let several = MultiDiscrete::new([2_i64, 3]).unwrap().into();
         let both = TupleSpace::new([Space::discrete(3), Space::boxed([0.0], [1.0])]).into();
+        let parts = [("a", Space::discrete(3)), ("b", Space::discrete(2))];
+        let named = DictSpace::new(parts).unwrap().into();
+        let lacking = json!([{"b": 0}, {"a": 0}, {"a": 0, "b": 0, "no_such_part": 0}]);
         for (space, wrong) in [
+            (named, lacking),
             (Space::discrete(3), json!([-1, 3])),
             (several, json!([[-1, 0], [2, 0], [0, -1], [0, 3]])),
             (

@@ -136,6 +136,12 @@ fn bad_arguments_are_refused() {
         ),
         (
             "cartpole-balance",
+            "time_limit",
+            json!(0.0),
+            "0 s: it is positive",
+        ),
+        (
+            "cartpole-balance",
             "dtype",
             json!("uint8"),
             "\"float64\" or \"float32\"",

@@ -138,6 +138,7 @@ def test_seeds_of_resets_to_come(env_id: str, kind: str, mode: str) -> None:
                     assert_same(infos["final_obs"][i], observation)
                     assert infos["_final_obs"][i] and infos["_final_info"][i]
                     for key, value in info.items():
+                        assert infos["final_info"][f"_{key}"][i]
                         assert_same(infos["final_info"][key][i], value)
             elif info:
                 for key, value in info.items():

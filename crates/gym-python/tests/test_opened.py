@@ -265,7 +265,8 @@ def test_physics_is_dm_controls(suite: Any) -> None:
     zero = np.zeros(1)
 
     def use(env: Any) -> Any:
-        first = [env.step(zero)[:2] for _ in range(3)] + [env.reset(), env.step(zero + 0.5)[:2]]
+        # thirds are no numbers of fewer bits
+        first = [env.step(zero + n / 3)[:2] for n in range(3)] + [env.reset(), env.step(zero + 1 / 3)[:2]]
         physics = env.unwrapped.physics
         physics.named.data.qpos["hinge_1"] = 0.5
         with physics.reset_context():

@@ -372,8 +372,11 @@ fn wrapped(text: &str, width: f64, size: f64) -> Vec<String> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use std::path::Path;
+
     use gym::canvas::Blank;
-    use gym::render::Pointer;
+    use gym::render::{DrawLog, Pointer};
+    use gym_testing::kept;
 
     const AREA: Area = Area {
         min: (100, 0),
@@ -430,6 +433,37 @@ mod tests {
             ..at(150.0, 20.0)
         };
         assert_eq!(frame(&mut panel, &mut input, right), [Some(0.0), None]);
+    }
+
+    /// A row of each kind is drawn as in `panel.txt`, one below the other. After an intended change, look at a live window,
+    /// then store the calls with `GYM_UPDATE_KEPT=1 cargo test --package gym-cli --features families --lib panel`.
+    #[test]
+    fn each_row_is_drawn_as_kept() {
+        let draw = DrawLog::of(|canvas| {
+            let area = Area {
+                min: (0, 0),
+                size: (200, 400),
+            };
+            Panel::default().rows(area, &Input::default(), canvas, |rows| {
+                rows.heading("joints");
+                rows.text("a line of text");
+                rows.note("a small line");
+                rows.error("what is wrong, in as many lines as it needs");
+                rows.buttons(&["one", "two", "a button of the next row"], |i| i == 1);
+                rows.slider("hinge", 0.5, [-1.0, 1.0]);
+                let columns = [[0.0, 2.0, 1.0], [1.0, f64::NAN, -1.0]];
+                rows.lines("height", "2 m", |i, column| {
+                    column.extend(columns.get(i).into_iter().flatten());
+                    i < columns.len()
+                });
+                rows.lines("constant", "3 m", |i, column| {
+                    column.extend([3.0; 3]);
+                    i == 0
+                });
+            });
+        });
+        let folder = Path::new(env!("CARGO_MANIFEST_DIR"));
+        kept(&folder.join("src/live/panel.txt"), &draw.to_string());
     }
 
     #[test]

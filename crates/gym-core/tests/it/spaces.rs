@@ -383,6 +383,53 @@ fn masked_samples_are_gymnasiums() {
     }
 }
 
+/// Each member of a space has its own mask: here all but one of its elements are masked.
+#[test]
+fn members_have_masks_of_their_own() {
+    let member = || Space::discrete(40);
+    let only = |n: usize| Mask::Values((0..40).map(|i| i8::from(i == n)).collect());
+    let tuple = || Mask::Tuple(vec![only(7), only(31)]);
+    let dict = DictSpace::new([("a", member()), ("b", member())]).unwrap();
+    let named = [("b".to_owned(), only(31)), ("a".to_owned(), only(7))];
+    let both = || -> Space { TupleSpace::new([member(), member()]).into() };
+    let nested = Mask::Tuple(vec![tuple(), only(3)]);
+    let cases: [(Space, Mask, Json); 4] = [
+        (both(), tuple(), json!([7, 31])),
+        (
+            dict.into(),
+            Mask::Dict(named.into()),
+            json!({"a": 7, "b": 31}),
+        ),
+        (
+            SequenceSpace::new(both()).into(),
+            Mask::Sequence {
+                lengths: Some(vec![2]),
+                member: Box::new(tuple()),
+            },
+            json!([[7, 31], [7, 31]]),
+        ),
+        (
+            TupleSpace::new([both(), member()]).into(),
+            nested,
+            json!([[7, 31], 3]),
+        ),
+    ];
+    for (space, mask, expected) in cases {
+        let mut sampler = space.sampler(3);
+        for _ in 0..3 {
+            let sample = sampler.sample_masked(&mask).unwrap();
+            assert_eq!(sample.to_json(), expected, "{space}");
+        }
+    }
+    let mut sampler = one_of([member(), member()]).sampler(3);
+    for _ in 0..9 {
+        let Value::OneOf(chosen, element) = sampler.sample_masked(&tuple()).unwrap() else {
+            panic!("another kind of value");
+        };
+        assert_eq!(element.to_json(), [7, 31][chosen]);
+    }
+}
+
 #[test]
 fn a_choice_without_numbers_lies_in_the_flat_space() {
     let empty = TextSpace::new(0, 0)

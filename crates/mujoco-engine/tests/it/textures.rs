@@ -175,6 +175,9 @@ fn files_give_their_pixels() {
         faces[0], [0; 12],
         "the first colour, where there is no face"
     );
+    let sky =
+        r#"name="t" type="skybox" file="strip.png" gridsize="1 2" gridlayout="BL" rgb1="0 0 0""#;
+    assert_eq!(of(sky), grid, "a sky has the faces of a cube");
     let up = of(r#"name="t" fileup="t.png""#);
     assert_eq!((&up[24..36], up[0]), (&*grey(&[10, 20, 30, 40]), 204));
 

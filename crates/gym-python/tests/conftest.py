@@ -76,6 +76,16 @@ def assert_same(ours: Any, theirs: Any, where: str = "") -> None:
         assert ours == theirs, f"{where}: {ours} is not {theirs}"
 
 
+def go_on(env: Any, actions: Any) -> list[Any]:
+    """The results of steps, and of a reset after each end."""
+    results = []
+    for action in actions:
+        results.append(env.step(action))
+        if results[-1][2] or results[-1][3]:
+            results.append(env.reset())
+    return results
+
+
 @pytest.fixture(params=IDS)
 def env_id(request: pytest.FixtureRequest) -> str:
     return request.param

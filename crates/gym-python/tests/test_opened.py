@@ -11,7 +11,7 @@ from typing import Any
 import gymnasium
 import numpy as np
 import pytest
-from conftest import assert_same
+from conftest import assert_same, go_on
 
 import rustgym
 
@@ -26,15 +26,6 @@ def make(module: Any, env_id: str, seed: int | None = 3, **kwargs: Any) -> Any:
 def both(env_id: str, use: Any, **kwargs: Any) -> None:
     """Compares what ``use`` returns for our environment and the package's."""
     assert_same(use(make(rustgym, env_id, **kwargs)), use(make(gymnasium, env_id, **kwargs)), env_id)
-
-
-def steps(env: Any, actions: Any) -> list[Any]:
-    results = []
-    for action in actions:
-        results.append(env.step(action))
-        if results[-1][2] or results[-1][3]:
-            results.append(env.reset())
-    return results
 
 
 @pytest.fixture
@@ -54,12 +45,12 @@ def test_a_grid_is_the_world(minigrid: Any) -> None:
     from minigrid.minigrid_env import MiniGridEnv
 
     def use(env: Any) -> Any:
-        first = steps(env, [2, 1, 2])
+        first = go_on(env, [2, 1, 2])
         env.unwrapped.put_obj(Lava(), *env.unwrapped.front_pos)
         key = next(cell for cell in env.unwrapped.grid.grid if cell is not None and cell.type == "key")
         key.color = "purple"
         assert isinstance(env.unwrapped, MiniGridEnv)
-        return first, env.unwrapped.gen_obs(), steps(env, [0, 2, 5, 3, 4] * 6), env.unwrapped.hash()
+        return first, env.unwrapped.gen_obs(), go_on(env, [0, 2, 5, 3, 4] * 6), env.unwrapped.hash()
 
     both("MiniGrid-DoorKey-6x6-v0", use)
 
@@ -74,7 +65,7 @@ def test_what_stays_closed_is_read_alike(minigrid: Any, env_id: str) -> None:
 
     def use(env: Any) -> Any:
         u = env.unwrapped
-        return u.agent_pos, u.agent_dir, u.mission, u.front_pos, u.actions.toggle, u.max_steps, steps(env, [2, 2, 1, 2])
+        return u.agent_pos, u.agent_dir, u.mission, u.front_pos, u.actions.toggle, u.max_steps, go_on(env, [2, 2, 1, 2])
 
     both(env_id, use)
     early = make(rustgym, env_id, seed=None).unwrapped
@@ -162,7 +153,7 @@ def test_classes_keep_their_methods_and_gain_the_packages() -> None:
 
 def test_a_method_of_an_instance() -> None:
     def use(env: Any) -> Any:
-        steps(env, [1, 2])
+        go_on(env, [1, 2])
         env.unwrapped._terminal = lambda: True
         return env.step(1)[:4]
 
@@ -173,11 +164,11 @@ def test_the_generator_and_the_users_attributes_stay(minigrid: Any) -> None:
     def use(env: Any) -> Any:
         generator = env.unwrapped.np_random
         drawn = generator.random()
-        first = steps(env, [2, 1, 2])
+        first = go_on(env, [2, 1, 2])
         env.unwrapped.mark = "mine"
         env.unwrapped.place_agent()
         assert env.unwrapped.np_random is generator and env.unwrapped.mark == "mine"
-        return drawn, first, generator.random(), steps(env, [2, 1, 2]), env.reset(), env.unwrapped.np_random.random()
+        return drawn, first, generator.random(), go_on(env, [2, 1, 2]), env.reset(), env.unwrapped.np_random.random()
 
     both("MiniGrid-Dynamic-Obstacles-6x6-v0", use)
 
@@ -185,7 +176,7 @@ def test_the_generator_and_the_users_attributes_stay(minigrid: Any) -> None:
 @pytest.mark.parametrize("way", [copy.copy, copy.deepcopy, lambda env: pickle.loads(pickle.dumps(env))])
 def test_copies_are_opened_and_open(minigrid: Any, way: Any) -> None:
     env = make(rustgym, "MiniGrid-DoorKey-5x5-v0").unwrapped
-    steps(env, [2, 1])
+    go_on(env, [2, 1])
     early = way(env)
     env.grid.set(1, 1, None)
     late = way(env)
@@ -225,7 +216,7 @@ def test_what_could_not_be_opened_is_as_it_was(minigrid: Any, monkeypatch: pytes
         with pytest.raises(MemoryError, match="in the middle"):
             _ = env.grid
     assert type(env) is mine and env.__dict__.keys() == before.keys()
-    assert_same(steps(env, [2, 1, 2]), steps(twin, [2, 1, 2]), "the episode goes on")
+    assert_same(go_on(env, [2, 1, 2]), go_on(twin, [2, 1, 2]), "the episode goes on")
     assert env.grid is not None
 
 
@@ -244,8 +235,8 @@ def test_box2d_repeats_its_episode() -> None:
     assert_same(Mine()(rustgym), Mine()(gymnasium), "a subclass")
 
     def use(env: Any) -> Any:
-        steps(env, [2, 1, 0, 2])
-        return [tuple(v) for v in env.unwrapped.moon.fixtures[0].shape.vertices], steps(env, [2, 2, 3])
+        go_on(env, [2, 1, 0, 2])
+        return [tuple(v) for v in env.unwrapped.moon.fixtures[0].shape.vertices], go_on(env, [2, 2, 3])
 
     both("LunarLander-v3", use)
 

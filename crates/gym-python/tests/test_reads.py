@@ -7,7 +7,7 @@ from typing import Any
 
 import gymnasium
 import pytest
-from conftest import IDS, assert_same
+from conftest import IDS, assert_same, go_on
 
 import rustgym
 
@@ -27,15 +27,6 @@ def is_read(env: Any, name: str) -> bool:
     except (AttributeError, TypeError, gymnasium.error.Error):
         return False  # it is not there yet, or never
     return True
-
-
-def go_on(env: Any, actions: list[Any]) -> list[Any]:
-    results = []
-    for action in actions:
-        results.append(env.step(action))
-        if results[-1][2] or results[-1][3]:
-            results.append(env.reset())
-    return results
 
 
 def twins(env_id: str) -> tuple[Any, Any, list[Any]]:

@@ -6,6 +6,8 @@ use std::path::{Path, PathBuf};
 use mujoco_engine::Model;
 use serde_json::Value;
 
+use super::digest::Digest;
+
 /// Meshes by their attributes, in all ways, and shapes fitted to them.
 const TEXT: &str = r#"<mujoco>
   <compiler fitaabb="false"/>
@@ -61,7 +63,7 @@ const ARRAYS: [&str; 3] = [
 
 /// A digest of the numbers of each group of arrays.
 fn digests(m: &Model) -> [u64; 3] {
-    fn add(numbers: &Value, digest: &mut u64) {
+    fn add(numbers: &Value, digest: &mut Digest) {
         let bits = match numbers {
             Value::Array(numbers) => return numbers.iter().for_each(|number| add(number, digest)),
             number => number.as_i64().map_or_else(
@@ -69,15 +71,15 @@ fn digests(m: &Model) -> [u64; 3] {
                 |number| number as u64,
             ),
         };
-        *digest = (*digest ^ bits).wrapping_mul(0x100_0000_01b3);
+        digest.word(bits);
     }
     let figures = serde_json::to_value(m).unwrap();
     ARRAYS.map(|names| {
-        let mut digest = 0xcbf2_9ce4_8422_2325;
+        let mut digest = Digest::default();
         for name in names.split_whitespace() {
             add(&figures[name], &mut digest);
         }
-        digest
+        digest.0
     })
 }
 

@@ -4,6 +4,8 @@
 use mujoco_engine::Model;
 use serde_json::Value;
 
+use super::digest::Digest;
+
 const FIELDS: [&str; 11] = [
     "actuator_dyntype",
     "actuator_gaintype",
@@ -18,14 +20,11 @@ const FIELDS: [&str; 11] = [
     "actuator_gear",
 ];
 
-fn add(value: &Value, digest: &mut u64) {
+fn add(value: &Value, digest: &mut Digest) {
     match value {
         Value::Array(all) => all.iter().for_each(|value| add(value, digest)),
         Value::Bool(is) => add(&Value::from(f64::from(u8::from(*is))), digest),
-        number => {
-            let bits = number.as_f64().unwrap().to_bits();
-            *digest = (*digest ^ bits).wrapping_mul(0x100_0000_01b3);
-        }
+        number => digest.numbers(&[number.as_f64().unwrap()]),
     }
 }
 
@@ -43,11 +42,11 @@ fn actuators_have_from_other_kinds_what_they_have_in_libmujoco() {
             let found = match Model::from_xml_with(text, version.parse().unwrap()) {
                 Ok(m) => {
                     let figures = serde_json::to_value(&*m).unwrap();
-                    let mut digest = 0xcbf2_9ce4_8422_2325;
+                    let mut digest = Digest::default();
                     FIELDS
                         .iter()
                         .for_each(|field| add(&figures[field], &mut digest));
-                    format!("{digest:016x}")
+                    format!("{:016x}", digest.0)
                 }
                 Err(error) => error.to_string(),
             };

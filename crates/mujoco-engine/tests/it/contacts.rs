@@ -6,6 +6,8 @@ use std::collections::{BTreeMap, BTreeSet};
 use gym_numerics::RandomState;
 use mujoco_engine::{Data, Model, forward};
 
+use super::digest::Digest;
+
 const HALF: f64 = std::f64::consts::FRAC_1_SQRT_2;
 const TURNS: [[f64; 4]; 6] = [
     [1.0, 0.0, 0.0, 0.0],
@@ -100,18 +102,16 @@ fn words(d: &Data) -> Vec<u64> {
 /// Returns a digest of the contacts; adds the kinds of the geoms that touch to `kinds`.
 fn digest(m: &Model, seed: u32, poses: usize, kinds: &mut BTreeSet<[String; 2]>) -> u64 {
     let (mut random, mut d) = (RandomState::new(seed), Data::new(m));
-    let mut digest: u64 = 0xcbf2_9ce4_8422_2325;
+    let mut digest = Digest::default();
     for _ in 0..poses {
         d.qpos = pose(&mut random);
         forward(m, &mut d);
-        for word in words(&d) {
-            digest = (digest ^ word).wrapping_mul(0x100_0000_01b3);
-        }
+        words(&d).into_iter().for_each(|word| digest.word(word));
         for contact in &d.contact {
             kinds.insert(contact.geom.map(|geom| format!("{:?}", m.geom_type[geom])));
         }
     }
-    digest
+    digest.0
 }
 
 #[test]

@@ -5,6 +5,8 @@ use gym_numerics::RandomState;
 use mujoco_engine::physics::{ray, ray_among};
 use mujoco_engine::{Data, Model, forward};
 
+use super::digest::Digest;
+
 const TEXT: &str = r#"<mujoco>
   <asset>
     <mesh name="block" inertia="shell" vertex="-.1 -.125 -.2 -.1 -.125 .2 -.1 .125 -.2 -.1 .125 .2 .1 -.125 -.2 .1 -.125 .2 .1 .125 -.2 .1 .125 .2"/>
@@ -45,7 +47,7 @@ fn rays_are_libmujocos() {
         let (mut d, mut random) = (Data::new(&m), RandomState::new(0));
         forward(&m, &mut d);
         assert_eq!(d.sensordata[..], sensed, "{version}");
-        let mut digest: u64 = 0xcbf2_9ce4_8422_2325;
+        let mut digest = Digest::default();
         for _ in 0..2000 {
             let point = std::array::from_fn(|_| random.uniform(-1.5, 1.5));
             let mut along: [f64; 3] = std::array::from_fn(|_| random.uniform(-1.0, 1.0));
@@ -55,11 +57,10 @@ fn rays_are_libmujocos() {
             let met = ray(&m, &d, point, along, None);
             let distance = met.map_or(-1.0, |(distance, _)| distance).to_bits();
             let geom = met.map_or(u64::MAX, |(_, geom)| geom as u64);
-            for word in [distance, geom] {
-                digest = (digest ^ word).wrapping_mul(0x100_0000_01b3);
-            }
+            digest.word(distance);
+            digest.word(geom);
         }
-        assert_eq!(digest, expected, "{version}: {digest:016x}");
+        assert_eq!(digest.0, expected, "{version}: {:016x}", digest.0);
     }
 }
 

@@ -1,7 +1,9 @@
 //! Data that served one model serves another: after a reset it has the sizes, and takes the steps, of data made for it.
 
 use mujoco_engine::{Data, Model, step};
-use serde_json::{Value, json};
+use serde_json::json;
+
+use super::parts::seen;
 
 /// Two bodies, one within the other or beside it, and parts of a model.
 fn text(nested: bool, option: &str, world: &str, more: &str) -> String {
@@ -19,7 +21,7 @@ fn text(nested: bool, option: &str, world: &str, more: &str) -> String {
 }
 
 /// Models of which each differs from the first in one size.
-pub(super) fn models() -> Vec<Model> {
+fn models() -> Vec<Model> {
     let box_of = r#"<body pos="0 3 0"><joint type="slide" axis="0 0 1"/><geom type="SHAPE" size=".1 .1 .1"/></body>"#;
     let shape = |kind: &str| box_of.replace("SHAPE", kind);
     let texts = [
@@ -91,31 +93,6 @@ pub(super) fn models() -> Vec<Model> {
         .collect()
 }
 
-/// The state and what a step computes.
-pub(super) fn seen(d: &Data) -> Value {
-    json!([
-        d,
-        d.xpos,
-        d.xmat,
-        d.xipos,
-        d.geom_xpos,
-        d.site_xpos,
-        d.cinert,
-        d.cvel,
-        d.qacc,
-        d.qfrc_bias,
-        d.qfrc_passive,
-        d.qfrc_actuator,
-        d.qfrc_constraint,
-        d.ten_length,
-        d.actuator_length,
-        d.actuator_force,
-        d.sensordata,
-        d.contact.len(),
-        d.tree_asleep
-    ])
-}
-
 #[test]
 fn data_of_one_model_serves_each_other() {
     let models = models();
@@ -131,7 +108,7 @@ fn data_of_one_model_serves_each_other() {
         .map(|m| {
             let mut d = Data::new(m);
             run(&mut d, m);
-            seen(&d)
+            json!([d, seen(&d), d.tree_asleep])
         })
         .collect();
     for (from, first) in models.iter().enumerate() {
@@ -141,7 +118,7 @@ fn data_of_one_model_serves_each_other() {
             let mut d = used.clone();
             d.reset(second);
             run(&mut d, second);
-            let found = seen(&d);
+            let found = json!([d, seen(&d), d.tree_asleep]);
             let pairs = found
                 .as_array()
                 .unwrap()

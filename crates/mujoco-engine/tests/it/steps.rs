@@ -4,6 +4,8 @@
 use gym_numerics::RandomState;
 use mujoco_engine::{Data, Model, step};
 
+use super::digest::Digest;
+
 /// A robot of meshes on a height field, with loose meshes.
 const ROBOT: &str = r#"<mujoco>
   <option timestep=".004"/>
@@ -56,17 +58,15 @@ const COUPLED: &str = r#"<mujoco><option timestep=".003"/>
 fn digest(text: &str, version: &str) -> u64 {
     let m = Model::from_xml_with(text, version.parse().unwrap()).unwrap();
     let (mut d, mut random) = (Data::new(&m), RandomState::new(0));
-    let mut digest: u64 = 0xcbf2_9ce4_8422_2325;
+    let mut digest = Digest::default();
     for _ in 0..300 {
         for control in &mut d.ctrl {
             *control = random.uniform(-1.0, 1.0);
         }
         step(&m, &mut d);
-        for number in d.qpos.iter().chain(&d.qvel).chain(&d.sensordata) {
-            digest = (digest ^ number.to_bits()).wrapping_mul(0x100_0000_01b3);
-        }
+        digest.numbers(d.qpos.iter().chain(&d.qvel).chain(&d.sensordata));
     }
-    digest
+    digest.0
 }
 
 #[test]

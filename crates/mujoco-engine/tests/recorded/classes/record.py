@@ -8,10 +8,12 @@ A line of `models.txt` is a model. A line of the others is the digest of the kin
 the model.
 """
 import pathlib
-import struct
 import sys
 
 FOLDER = pathlib.Path(__file__).resolve().parent
+sys.path.insert(0, str(FOLDER.parent))
+from digests import of_lines, of_numbers
+
 KINDS = {
     "general": 'gainprm="2 3 4" biastype="affine" biasprm="1 2 3" dyntype="filter" dynprm=".3 .2" ctrlrange="-1 2" gear="2"',
     "motor": 'ctrlrange="-1 2" gear="3" forcerange="-4 5"',
@@ -48,17 +50,14 @@ def digest(text):
     numbers = [m.actuator_dyntype[0], m.actuator_gaintype[0], m.actuator_biastype[0], m.actuator_ctrllimited[0]]
     for array in (m.actuator_dynprm, m.actuator_gainprm, m.actuator_biasprm, m.actuator_ctrlrange, m.actuator_forcerange, m.actuator_actrange, m.actuator_gear):
         numbers.extend(array[0])
-    digest = 0xCBF29CE484222325
-    for number in numbers:
-        digest = (digest ^ struct.unpack("<Q", struct.pack("<d", number))[0]) * 0x100000001B3 % 2**64
-    return f"{digest:016x}"
+    return f"{of_numbers(numbers):016x}"
 
 
 def main():
     if "--models" in sys.argv:
         print(*models(), sep="\n")
     else:
-        print(*map(digest, (FOLDER / "models.txt").read_text().splitlines()), sep="\n")
+        of_lines(FOLDER / "models.txt", digest)
 
 
 if __name__ == "__main__":

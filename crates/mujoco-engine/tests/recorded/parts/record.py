@@ -7,13 +7,13 @@
 A line of `models.txt` is a model; its name says what is in it. `@` is the text of `world.txt`, and `@low` that of `LOW` here. A line of the others is the digest of the positions, velocities, activations and
 sensors of 20 steps from random velocities under random controls; `-` if MuJoCo refuses the model.
 """
-import os
 import pathlib
-import struct
 import sys
-import tempfile
 
 FOLDER = pathlib.Path(__file__).resolve().parent
+sys.path.insert(0, str(FOLDER.parent))
+from digests import of_lines, of_steps
+
 STEPS = 20
 
 # two bodies that fly, with a geom, a site and a camera off their centres each, and an arm above a floor
@@ -226,34 +226,20 @@ def draw():
         yield from part()
 
 
-def digest(text):
-    import mujoco
-    import numpy as np
-
-    random = np.random.RandomState(0)
-    try:
-        model = mujoco.MjModel.from_xml_string(text)
-    except ValueError as error:
-        print(text[:80], error, file=sys.stderr)
-        return "-"
-    data, digest = mujoco.MjData(model), 0xCBF29CE484222325
+def start(model, data, random):
     data.qvel[:] = random.uniform(-1, 1, model.nv)
-    for _ in range(STEPS):
-        data.ctrl[:] = random.uniform(-1, 1, model.nu)
-        mujoco.mj_step(model, data)
-        for number in np.concatenate([data.qpos, data.qvel, data.act, data.sensordata]):
-            digest = (digest ^ struct.unpack("<Q", struct.pack("<d", number))[0]) * 0x100000001B3 % 2**64
-    return f"{digest:016x}"
+
+
+def drive(model, data, random):
+    data.ctrl[:] = random.uniform(-1, 1, model.nu)
 
 
 def main():
     if "--models" in sys.argv:
         print(*(text.replace(WORLD, "@").replace(LOW, "@low") for text in draw()), sep="\n")
-        return
-    with tempfile.TemporaryDirectory() as folder:
-        os.chdir(folder)  # MuJoCo writes its warnings to the current folder
-        for text in (FOLDER / "models.txt").read_text().splitlines():
-            print(digest(text.replace("@low", LOW).replace("@", WORLD)))
+    else:
+        whole = lambda text: text.replace("@low", LOW).replace("@", WORLD)
+        of_lines(FOLDER / "models.txt", lambda text: of_steps(whole(text), STEPS, start, drive))
 
 
 if __name__ == "__main__":

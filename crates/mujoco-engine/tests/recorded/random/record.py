@@ -9,7 +9,6 @@ model; `-` if MuJoCo refuses the model or its motion diverges, because a divergi
 """
 import os
 import pathlib
-import struct
 import sys
 import tempfile
 
@@ -17,7 +16,8 @@ import mujoco
 import numpy as np
 
 FOLDER = pathlib.Path(__file__).resolve().parent
-sys.path.insert(0, str(FOLDER.parents[4] / "tests/peers"))
+sys.path[:0] = [str(FOLDER.parent), str(FOLDER.parents[4] / "tests/peers")]
+from digests import added, of_lines, of_numbers, state
 from random_models import Writer, is_calm, steps
 
 STEPS = 25
@@ -26,10 +26,9 @@ STEPS = 25
 def digest(text):
     try:
         model = mujoco.MjModel.from_xml_string(text)
-        data, digest = mujoco.MjData(model), 0xCBF29CE484222325
+        data, digest = mujoco.MjData(model), of_numbers(())
         for _ in steps(model, data, 0, STEPS):
-            for number in np.concatenate([data.qpos, data.qvel, data.act, data.sensordata]):
-                digest = (digest ^ struct.unpack("<Q", struct.pack("<d", number))[0]) * 0x100000001B3 % 2**64
+            digest = added(digest, state(data))
     except (ValueError, mujoco.FatalError):
         return "-"
     return f"{digest:016x}" if is_calm(data) else "-"
@@ -45,13 +44,12 @@ def draw(number):
 
 
 def main():
-    with tempfile.TemporaryDirectory() as folder:
-        os.chdir(folder)  # MuJoCo writes its warnings to the current folder
-        if "--models" in sys.argv:
+    if "--models" in sys.argv:
+        with tempfile.TemporaryDirectory() as folder:
+            os.chdir(folder)  # MuJoCo writes its warnings to the current folder
             draw(int(sys.argv[-1]))
-        else:
-            for text in (FOLDER / "models.txt").read_text().splitlines():
-                print(digest(text))
+    else:
+        of_lines(FOLDER / "models.txt", digest)
 
 
 if __name__ == "__main__":

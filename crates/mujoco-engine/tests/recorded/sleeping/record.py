@@ -7,13 +7,13 @@
 A line of `models.txt` is a model, in which `@` is the text of `world.txt`; those whose steps are the plain model's were left out. A line of the others is the digest of the positions, velocities, activations and sensors of 200 steps, with
 random controls in every other tenth of a second; `-` if MuJoCo refuses the model.
 """
-import os
 import pathlib
-import struct
 import sys
-import tempfile
 
 FOLDER = pathlib.Path(__file__).resolve().parent
+sys.path.insert(0, str(FOLDER.parent))
+from digests import of_lines, of_steps
+
 STEPS = 200
 
 # two boxes that come to rest, a ball that falls much later, a slide and a hinge that damping stops, and a pendulum that goes on
@@ -123,34 +123,16 @@ def draw():
     yield model("sensors of pairs", '<sensor><distance geom1="a" geom2="b" cutoff="3"/><normal geom1="a" geom2="ball" cutoff="3"/><fromto body1="slide" body2="hinge" cutoff="3"/><contact geom1="a"/><contact geom1="ball" data="found force dist pos"/><contact body1="b" body2="world" num="4" reduce="maxforce"/><insidesite site="a" objtype="body" objname="ball"/></sensor>')
 
 
-def digest(text):
-    import mujoco
-    import numpy as np
-
-    random = np.random.RandomState(0)
-    try:
-        model = mujoco.MjModel.from_xml_string(text)
-    except ValueError as error:
-        print(text[:80], error, file=sys.stderr)
-        return "-"
-    data, digest = mujoco.MjData(model), 0xCBF29CE484222325
-    for _ in range(STEPS):
-        for i in range(model.nu):
-            data.ctrl[i] = random.uniform(0, 1) if int(data.time / 0.1) % 2 else 0
-        mujoco.mj_step(model, data)
-        for number in np.concatenate([data.qpos, data.qvel, data.act, data.sensordata]):
-            digest = (digest ^ struct.unpack("<Q", struct.pack("<d", number))[0]) * 0x100000001B3 % 2**64
-    return f"{digest:016x}"
+def drive(model, data, random):
+    for i in range(model.nu):
+        data.ctrl[i] = random.uniform(0, 1) if int(data.time / 0.1) % 2 else 0
 
 
 def main():
     if "--models" in sys.argv:
         print(*(text.replace(WORLD, "@") for text in draw()), sep="\n")
-        return
-    with tempfile.TemporaryDirectory() as folder:
-        os.chdir(folder)  # MuJoCo writes its warnings to the current folder
-        for text in (FOLDER / "models.txt").read_text().splitlines():
-            print(digest(text.replace("@", WORLD)))
+    else:
+        of_lines(FOLDER / "models.txt", lambda text: of_steps(text.replace("@", WORLD), STEPS, lambda *_: None, drive))
 
 
 if __name__ == "__main__":

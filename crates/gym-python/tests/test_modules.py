@@ -62,6 +62,24 @@ def test_our_classes_are_found_where_gymnasiums_are() -> None:
     assert rustgym.envs.toy_text.frozen_lake is frozen_lake and "4x4" in frozen_lake.MAPS
 
 
+def test_an_import_leaves_gymnasiums_modules_as_they_are() -> None:
+    code = """
+import importlib, sys, gymnasium
+modules = {}
+for name in sys.argv[1:]:
+    try:
+        modules[name] = importlib.import_module(f"gymnasium.{name}")
+    except (ImportError, gymnasium.error.DependencyNotInstalled):
+        pass  # it lacks what it imports
+before = {name: dict(vars(module)) for name, module in modules.items()}
+for name in modules:
+    importlib.import_module(f"rustgym.{name}")
+print([(name, key) for name in modules for key, value in before[name].items() if vars(modules[name]).get(key) is not value])
+"""
+    result = subprocess.run([sys.executable, "-c", code, *names()], capture_output=True, text=True, timeout=120, check=False)
+    assert result.stdout == "[]\n", result.stdout + result.stderr
+
+
 def test_attributes_need_no_import() -> None:
     code = "import rustgym as gym; print(gym.envs.toy_text.frozen_lake.generate_random_map(seed=1)[0], gym.core.Env)"
     result = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=120, check=False)

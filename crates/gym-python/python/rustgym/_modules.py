@@ -82,6 +82,11 @@ class _SameLoader(Loader):
 
     def exec_module(self, module: ModuleType) -> None:
         module.__spec__ = self._spec  # the import system has just replaced it
+        # An import of a part sets it as an attribute of the whole, which here is Gymnasium's own module, where a function may
+        # have the same name (`gymnasium.utils.colorize`). What is loaded already needs no import.
+        theirs = f"{module.__name__}."
+        for name in [name for name in sys.modules if name.startswith(theirs)]:
+            sys.modules.setdefault(_OURS + name.removeprefix(_THEIRS), sys.modules[name])
 
 
 class Finder(MetaPathFinder):

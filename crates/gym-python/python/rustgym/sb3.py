@@ -21,6 +21,9 @@ from rustgym.vector_env import VectorEnv
 
 __all__ = ["VecEnv"]
 
+# what a vector calls what all of its environments have
+_SHARED = {"action_space": "single_action_space", "observation_space": "single_observation_space"}
+
 
 class VecEnv(BaseVecEnv):
     """A ``rustgym.VectorEnv`` as a vector of Stable-Baselines3.
@@ -75,7 +78,7 @@ class VecEnv(BaseVecEnv):
         return rows
 
     def close(self) -> None:
-        """Closes all environments; they cannot be used afterwards."""
+        """Closes all environments."""
         self.envs.close()
 
     def get_images(self) -> Sequence[Any]:
@@ -84,8 +87,9 @@ class VecEnv(BaseVecEnv):
 
     def get_attr(self, attr_name: str, indices: Any = None) -> list[Any]:
         """An attribute of some environments."""
-        if hasattr(self.envs, attr_name):
-            return [getattr(self.envs, attr_name) for _ in self._get_indices(indices)]
+        shared = _SHARED.get(attr_name, attr_name)
+        if shared in vars(self.envs):  # environments need not be separate for it
+            return [getattr(self.envs, shared) for _ in self._get_indices(indices)]
         values = self.envs.get_attr(attr_name)
         return [values[i] for i in self._get_indices(indices)]
 

@@ -3,10 +3,12 @@
 import copy
 import pickle
 import sys
+from functools import partial
 
 import gymnasium
 import numpy as np
 import pytest
+from conftest import assert_same
 
 import rustgym
 
@@ -69,3 +71,25 @@ def test_a_vector_takes_a_limit_of_steps(env_id):
     envs.reset(seed=1)
     ends = [envs.step(np.zeros(envs.action_space.shape))[3].all() for _ in range(3)]
     assert ends == [False, False, True]
+
+
+@pytest.mark.parametrize("mode", ["NextStep", "SameStep", "Disabled"])
+@pytest.mark.parametrize("limit", [None, 4])
+def test_time_steps_of_vectors_are_those_of_environments(mode, limit):
+    env_id, given = "dm_control/point_mass-easy-v0", {"time_limit": 0.12}  # six steps
+
+    def use(envs):
+        results = [envs.reset(seed=[5, 6, 7])[1]]
+        for k in range(24):
+            *_, ended, cut, infos = envs.step(np.full((3, 2), 0.1))
+            results.append((ended, cut, infos))
+            if mode == "Disabled" and (ended | cut).any():
+                results.append(envs.reset(options={"reset_mask": ended | cut})[1])
+            if k in (2, 9):  # from here on, episodes end one after the other; first the first one, then the last
+                results.append(envs.reset(seed=9, options={"reset_mask": np.arange(3) == (0 if k == 2 else 2)})[1])
+        return results
+
+    one = partial(rustgym.make, env_id, max_episode_steps=limit, disable_env_checker=True, **given)
+    expected = use(gymnasium.vector.SyncVectorEnv([one] * 3, autoreset_mode=gymnasium.vector.AutoresetMode(mode)))
+    for kind in ("sync", "native", "async"):
+        assert_same(use(rustgym.VectorEnv(env_id, 3, kind=kind, autoreset_mode=mode, max_episode_steps=limit, **given)), expected, kind)

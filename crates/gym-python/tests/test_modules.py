@@ -34,11 +34,22 @@ def test_every_module_is_there(name: str) -> None:
     for attribute in dir(theirs):
         if not attribute.startswith("_"):
             assert hasattr(ours, attribute), attribute
+    if hasattr(theirs, "__all__") and not name.startswith("envs"):
+        assert list(ours.__all__) == list(theirs.__all__)
     # a class that rustgym does not replace is Gymnasium's own object, not a copy
     for attribute, value in vars(theirs).items():
         if isinstance(value, type) and not attribute.startswith("_"):
             same = getattr(ours, attribute)
             assert same is value or same.__module__.startswith("rustgym"), attribute
+
+
+def test_a_star_imports_gymnasiums_names_and_ours() -> None:
+    found: dict[str, object] = {}
+    exec("from rustgym import *", found)
+    # (of what is experimental in Gymnasium nothing is left)
+    own = {"CLASSES", "PanicError", "VectorEnv", "ids", "view"}
+    assert found.keys() - {"__builtins__"} == {*gymnasium.__all__} - {"experimental"} | own
+    assert all(value is getattr(rustgym, name) for name, value in found.items() if name != "__builtins__")
 
 
 def test_classes_are_the_same() -> None:

@@ -143,6 +143,22 @@ def test_changes_count(name: str, way: str) -> None:
     assert env.dt == other.dt
 
 
+@pytest.mark.parametrize("way", [copy.copy, copy.deepcopy, lambda env: pickle.loads(pickle.dumps(env))])
+def test_a_copy_has_a_model_and_data_of_its_own(way: Callable[[Any], Any]) -> None:
+    env = ours("Hopper-v5")
+    env.reset(seed=2)
+    env.model.opt.gravity[2] = -5.0
+    action = actions_of(env, 1)[0]
+    env.step(action)
+    twin, other = way(env), way(env)
+    twin.model.body_mass[1] *= 4.0
+    twin.data.qpos[0] += 1.0
+    assert env.model.body_mass[1] * 4.0 == twin.model.body_mass[1] and env.data.qpos[0] + 1.0 == twin.data.qpos[0]
+    results = env.step(action)
+    assert_same(other.step(action)[:4], results[:4])
+    assert not np.array_equal(twin.step(action)[0], results[0])
+
+
 def test_a_hand_over_is_warned_of_once() -> None:
     gymnasium.logger.min_level = gymnasium.logger.WARN
     try:

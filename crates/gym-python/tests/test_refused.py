@@ -88,6 +88,72 @@ def test_a_setting_of_a_vector_of_the_wrong_kind_is_named(name: str, value: Any)
         rustgym.VectorEnv("CartPole-v1", 2, **{name: value})
 
 
+AT_LEAST = [("num_envs", 1), ("threads", 1), ("affinity", 0), ("max_episode_steps", -1), ("frame_stack", 0), ("render_size", 1)]
+
+
+@pytest.mark.parametrize(("name", "least"), AT_LEAST)
+def test_whole_settings_of_a_vector_have_a_least(name: str, least: int) -> None:
+    def refused(number: Any) -> str:
+        given = {"num_envs": 2, "kind": "async" if name in ("threads", "affinity") else None, name: number}
+        with pytest.raises((ValueError, TypeError)) as raised:
+            rustgym.VectorEnv("CartPole-v1", **given)
+        return str(raised.value)
+
+    pair = name == "render_size"
+    for number in (least - 1, least - 7):
+        for given in [(number, 8), (8, number)] if pair else [number]:
+            assert refused(given) == f"{name} is {number}: it must be at least {least}"
+    for number in (2.5, "2", [2]):
+        assert refused((8, number) if pair else number) == f"{name} is {number!r}: it must be a whole number"
+    assert refused((8, 1 << 63) if pair else 1 << 63) == f"{name} is {1 << 63}: that is too many"
+    rustgym.VectorEnv("CartPole-v1", **{"num_envs": 2, "kind": "async", name: (least, least) if pair else least})
+
+
+@pytest.mark.parametrize(
+    ("given", "text"),
+    [
+        ({"copy": 1}, "copy is 1: it must be True or False"),
+        ({"gray": "yes"}, "gray is 'yes': it must be True or False"),
+        ({"kind": 3}, "kind is 3: it must be a text or None"),
+        ({"render_mode": 3}, "render_mode is 3: it must be a text or None"),
+        ({"autoreset_mode": "Next"}, "autoreset_mode is 'Next': it must be one of NextStep, SameStep, Disabled"),
+        ({"arg_each": 3}, "arg_each must be a dict of arguments, not 3"),
+        ({"arg_each": {"gravity": 3.0}}, "arg_each has 3.0 for gravity: it takes a list with a value for each environment, or a pair (low, high)"),
+        ({"arg_each": {"gravity": "ab"}}, "arg_each has 'ab' for gravity: it takes a list with a value for each environment, or a pair (low, high)"),
+        ({"arg_each": {"foo": [1, 2]}}, "arg_each has the key 'foo', which is not an argument of CartPole-v1"),
+        ({"arg_each": {"tau": [0.1], "gravity": [1.0, 2.0]}}, "invalid argument for tau: there are 1 values for 2 environments"),
+        ({"max_episode_steps": 0}, "invalid argument for `CartPole-v1`: max_episode_steps is 0: it must be at least 1, or -1 for no limit"),
+        ({"gray": True, "render_mode": "human"}, "observations of pixels need render_mode=\"rgb_array\", not 'human'"),
+        ({"preprocessing": True}, "preprocessing needs an Atari game, and CartPole-v1 is not one"),
+        ({"kind": "fast"}, "invalid argument for kind: unknown kind of vector `fast`: the kinds are sync, async, native"),
+    ],
+)
+def test_a_setting_of_a_vector_that_cannot_be_is_refused_in_full(given: dict[str, Any], text: str) -> None:
+    with pytest.raises((ValueError, TypeError, gymnasium.error.Error)) as raised:
+        rustgym.VectorEnv("CartPole-v1", 2, **given)
+    assert str(raised.value) == text
+
+
+@pytest.mark.parametrize(("env_id", "name", "value"), [("CartPole-v1", "steps_beyond_terminated", 3), ("Pendulum-v1", "last_u", 0.5)])
+def test_a_part_of_a_state_is_not_set_before_there_is_one(env_id: str, name: str, value: Any) -> None:
+    env = rustgym.Env(env_id)
+    with pytest.raises(AttributeError, match=f"^{env_id} has no state before the first reset$"):
+        setattr(env, name, value)
+    env.reset(seed=0)
+    setattr(env, name, value)
+    assert getattr(env, name) == value
+
+
+def test_a_kitchen_counts_the_tasks_that_are_left() -> None:
+    reward = rustgym.envs.KitchenEnv.compute_reward
+    goal = {"kettle": np.array([0.0, 1.0]), "microwave": np.array([0.5]), "light switch": np.array([1.0])}
+    near = {"kettle": np.array([0.0, 1.29]), "microwave": np.array([0.5]), "light switch": np.array([1.31])}
+    for tasks, expected in ((["kettle", "microwave", "light switch"], 2.0), (["kettle"], 1.0), (["light switch"], 0.0), ([], 0.0)):
+        found = reward(None, near, goal, {"tasks_to_complete": tasks})  # type: ignore[arg-type]
+        assert found == expected and type(found) is float
+    assert reward(None, {"kettle": np.array([0.3])}, {"kettle": np.array([0.0])}, {"tasks_to_complete": ["kettle"]}) == 0.0  # type: ignore[arg-type]
+
+
 def test_the_id_of_an_environment_stays() -> None:
     env: Any = rustgym.Env("MiniGrid-Empty-5x5-v0")
     env.reset(seed=0)

@@ -8,6 +8,7 @@ import sys
 import gymnasium
 import numpy as np
 import pytest
+from conftest import assert_same
 from gymnasium.vector import AutoresetMode
 
 import rustgym
@@ -44,6 +45,33 @@ def test_bad_actions(kind: str, actions: object) -> None:
     envs.reset(seed=0)
     with pytest.raises(gymnasium.error.InvalidAction):
         envs.step(actions)
+
+
+@pytest.mark.parametrize("mode", list(AutoresetMode))
+@pytest.mark.parametrize("kind", KINDS)
+def test_metadata_are_the_environments_and_the_mode(kind: str, mode: AutoresetMode) -> None:
+    for given in (mode, mode.value):
+        envs = rustgym.VectorEnv("CartPole-v1", 2, kind=kind, autoreset_mode=given)
+        assert envs.autoreset_mode is mode
+        modes = {"render_modes": []} if kind == "native" else {}  # a native vector draws nothing
+        assert envs.metadata == {**rustgym.Env("CartPole-v1").metadata, **modes, "autoreset_mode": mode}
+
+
+@pytest.mark.parametrize("mode", ["NextStep", "SameStep"])
+@pytest.mark.parametrize("kind", KINDS)
+def test_seeds_give_the_same_with_and_without_copies(kind: str, mode: str) -> None:
+    first, second = (
+        rustgym.VectorEnv("CartPole-v1", 3, kind=kind, autoreset_mode=mode, copy=copy, seeds=range(200), max_episode_steps=9)
+        for copy in (True, False)
+    )
+    assert_same(first.reset(), second.reset())
+    for k in range(40):
+        kept = first.step(np.full(3, k % 2)), second.step(np.full(3, k % 2))
+        # what a call returned is valid until the call after next
+        if k:
+            assert_same(*before)
+        assert_same(*kept)
+        before = kept
 
 
 @pytest.mark.parametrize("kind", KINDS)

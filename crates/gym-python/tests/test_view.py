@@ -87,8 +87,10 @@ def test_what_is_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Non
         rustgym.view(MODEL, mujoco="1.5")
     with pytest.raises(ValueError, match="make the environment"):
         rustgym.view(rustgym.make("Hopper-v5"), mujoco="3.12")
-    with pytest.raises(ValueError, match="height is 0"):
-        rustgym.view(MODEL, height=0)
+    for height in (0, 99, 10_001):
+        with pytest.raises(ValueError, match=f"^height is {height}: it must be from 100 to 10000 pixels$"):
+            rustgym.view(MODEL, height=height)
+    assert [rustgym.view(MODEL, height=height).height for height in (100, 10_000)] == [100, 10_000]
     with pytest.raises(TypeError, match="not int"):
         rustgym.view(7)  # type: ignore[arg-type]
     monkeypatch.setenv("RUSTGYM_PAGE", str(tmp_path / "none.html"))

@@ -111,6 +111,17 @@ def test_attributes_have_gymnasiums_types_and_values(env_id: str) -> None:
         assert not different, (phase, different)
 
 
+@pytest.mark.parametrize("env_id", [env_id for env_id in IDS if "Blackjack" not in env_id and not env_id.endswith("-v5")])
+def test_nothing_of_an_episode_is_there_before_it(env_id: str) -> None:
+    """What Gymnasium's environment has from the first reset on can be neither read nor set before."""
+    _, theirs = next(phases(gymnasium, env_id))
+    ours = make(rustgym, env_id).unwrapped
+    later = make(gymnasium, env_id)
+    later.reset(seed=3)
+    for name in sorted(set(dir(later.unwrapped)) - set(dir(theirs)) - ABSENT.get(env_id, set()) - BESIDE):
+        assert not hasattr(ours, name), name
+
+
 @pytest.mark.parametrize("env_id", IDS)
 def test_an_environment_is_no_class(env_id: str) -> None:
     """``hasattr(env, "__name__")`` is false, without an error: pytest asks a parameter for its name."""

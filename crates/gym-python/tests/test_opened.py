@@ -160,6 +160,37 @@ def test_a_method_of_an_instance() -> None:
     both("Acrobot-v1", use)
 
 
+#: What Gymnasium's classes keep of an episode.
+HANDED = {
+    "Blackjack-v1": ("player", "dealer", "dealer_top_card_suit", "dealer_top_card_value_str", "natural", "sab"),
+    "Taxi-v4": ("s", "lastaction", "fickle_step", "taxi_orientation"),
+    "CartPole-v1": ("state", "steps_beyond_terminated", "gravity", "tau"),
+    "Acrobot-v1": ("state", "book_or_nips"),
+}
+
+
+@pytest.mark.parametrize(
+    ("env_id", "method", "value"),
+    [
+        ("Blackjack-v1", "_get_obs", (1, 2, 3)),
+        ("Taxi-v4", "action_mask", np.zeros(6, np.int8)),
+        ("CartPole-v1", "render", "drawn"),
+        ("Acrobot-v1", "_get_ob", np.zeros(6, np.float32)),
+    ],
+)
+def test_what_an_episode_has_is_handed_over(env_id: str, method: str, value: Any) -> None:
+    def use(env: Any) -> Any:
+        seen = env.reset(seed=4)
+        if env_id != "Blackjack-v1":
+            go_on(env, [0, 1, 0])
+        own = env.unwrapped
+        setattr(own, method, lambda *_: value)
+        theirs = [name for name in HANDED[env_id] if hasattr(own, name)]
+        return seen, env.step(1)[:4], {name: getattr(own, name) for name in theirs}, getattr(own, method)(0)
+
+    both(env_id, use)
+
+
 def test_the_generator_and_the_users_attributes_stay(minigrid: Any) -> None:
     def use(env: Any) -> Any:
         generator = env.unwrapped.np_random

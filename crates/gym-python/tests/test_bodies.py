@@ -66,3 +66,49 @@ def test_motors_have_the_torques_that_gymnasium_sets() -> None:
     racing: Any = rustgym.make("CarRacing-v3").unwrapped
     racing.reset(seed=0)
     assert [wheel.joint.maxMotorTorque for wheel in racing.car.wheels] == [float(np.float32(180 * 900 * 0.02 * 0.02))] * 4
+
+
+CALLS = {
+    "velocity": lambda body, x: setattr(body, "linearVelocity", (x, 0.0)),
+    "angular velocity": lambda body, x: setattr(body, "angularVelocity", x),
+    "force": lambda body, x: body.ApplyForceToCenter((x, 2.0 * x), True),
+    "force asleep": lambda body, x: body.ApplyForceToCenter((x, 2.0 * x), False),
+    "torque": lambda body, x: body.ApplyTorque(x, True),
+    "torque asleep": lambda body, x: body.ApplyTorque(x, False),
+    "impulse": lambda body, x: body.ApplyLinearImpulse((x, -x), (1.0, 2.0), True),
+    "impulse asleep": lambda body, x: body.ApplyLinearImpulse((x, -x), (1.0, 2.0), False),
+    "angular impulse": lambda body, x: body.ApplyAngularImpulse(x, True),
+    "angular impulse asleep": lambda body, x: body.ApplyAngularImpulse(x, False),
+}
+
+
+@pytest.mark.parametrize("awake", [True, False])
+@pytest.mark.parametrize("call", CALLS)
+def test_a_push_wakes_a_body_where_box2d_wakes_it(call: str, awake: bool) -> None:
+    pytest.importorskip("Box2D")
+    for x in (0.0, 0.25, -3.0):
+        ours, theirs = (module.make("LunarLander-v3").unwrapped for module in (rustgym, gymnasium))
+        for env in (ours, theirs):
+            env.reset(seed=2)
+            env.step(0)
+        if not awake:
+            theirs.lander.awake = False
+            # sleep stops a body
+            ours.lander._move(wake=False, awake=False, velocity=[0.0, 0.0], angular_velocity=0.0)
+        for body in (ours.lander, theirs.lander):
+            CALLS[call](body, x)
+        for word in ("awake", "linearVelocity", "angularVelocity"):
+            assert np.array_equal(np.asarray(getattr(ours.lander, word)), np.asarray(getattr(theirs.lander, word))), (word, x)
+        for results in zip(ours.step(0)[:4], theirs.step(0)[:4], strict=True):
+            assert np.array_equal(*results), x
+
+
+@pytest.mark.parametrize("env_id", ["BipedalWalker-v3", "BipedalWalkerHardcore-v3"])
+def test_the_ground_has_gymnasiums_colours(env_id: str) -> None:
+    pytest.importorskip("Box2D")
+    ours, theirs = (module.make(env_id).unwrapped for module in (rustgym, gymnasium))
+    for seed in (0, 1):
+        for env in (ours, theirs):
+            env.reset(seed=seed)
+        colours = [[(piece.color1, piece.color2) for piece in env.terrain] for env in (ours, theirs)]
+        assert colours[0] == colours[1] and len(set(colours[0])) > 1

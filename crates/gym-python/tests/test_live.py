@@ -232,6 +232,15 @@ def test_colours_of_a_track(name: str) -> None:
             env.step(np.zeros(3, np.float32))
     seen = env.reset(seed=1)[0]
     assert not np.array_equal(seen, before) and getattr(env, name).tolist() == [10, 20, 30]
+    if name != "road_color":  # what was read before a step, or a reset, can be changed after it
+        kept = getattr(env, name)
+        for go_on in (lambda: env.step(np.zeros(3, np.float32)), lambda: env.reset(seed=1)):
+            go_on()
+            kept[:] = kept[::-1] + 1
+            colour = kept.tolist()
+            assert getattr(env, name).tolist() == colour
+            env.step(np.zeros(3, np.float32))
+            assert getattr(env, name).tolist() == colour
     with pytest.raises(ValueError, match="a colour is"):
         setattr(env, "bg_color", [1, 2, 300])
 

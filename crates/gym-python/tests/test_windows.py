@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 from typing import Any
 
 import gymnasium
@@ -67,3 +68,38 @@ def test_a_picture_leaves_what_gymnasiums_leaves(env_id: str, mode: str, draws: 
 
     ours, theirs = (module.make(env_id, render_mode=mode, disable_env_checker=True) for module in (rustgym, gymnasium))
     assert_same(use(ours), use(theirs), env_id)
+
+
+def test_a_window_of_pygame_shows_the_frame_under_its_title(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("SDL_VIDEODRIVER", "dummy")
+    pygame = pytest.importorskip("pygame")
+    from rustgym._window import Window
+
+    window = Window("two by three", 1000, "a reason")
+    window.close()  # nothing is open yet
+    ticks: list[int] = []
+    for step in range(2):
+        frame = np.arange(18, dtype=np.uint8).reshape(2, 3, 3) + step
+        window.show(frame)
+        if not step:
+            window._clock = type("Clock", (), {"tick": lambda self, fps: ticks.append(fps)})()
+        assert pygame.display.get_caption()[0] == "two by three"
+        assert np.array_equal(pygame.surfarray.array3d(pygame.display.get_surface()).swapaxes(0, 1), frame)
+    assert ticks == [1000]
+    window.close()
+    assert not pygame.display.get_init()
+    window.show(frame)
+    assert pygame.display.get_init()
+    window.close()
+
+
+def test_without_pygame_a_window_says_why_and_what_to_do(monkeypatch: pytest.MonkeyPatch) -> None:
+    from rustgym._window import Window
+
+    monkeypatch.setitem(sys.modules, "pygame", None)
+    with pytest.raises(gymnasium.error.DependencyNotInstalled) as raised:
+        Window("a title", 30, "no display was found")
+    assert str(raised.value) == (
+        "no display was found, and pygame is not installed: run `pip install pygame`, "
+        'or use render_mode="rgb_array", which needs no window'
+    )

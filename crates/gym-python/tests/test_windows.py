@@ -70,6 +70,45 @@ def test_a_picture_leaves_what_gymnasiums_leaves(env_id: str, mode: str, draws: 
     assert_same(use(ours), use(theirs), env_id)
 
 
+DRAWN = ["CartPole-v1", "Acrobot-v1", "MountainCar-v0", "MountainCarContinuous-v0", "Pendulum-v1", "LunarLander-v3", "BipedalWalker-v3"]
+
+
+@pytest.mark.parametrize("draws", [False, True])
+@pytest.mark.parametrize("mode", ["rgb_array", "human", None])
+@pytest.mark.parametrize("env_id", [*DRAWN, *OF_PICTURES])
+def test_objects_of_pygame_are_missed_from_the_first_picture_on(env_id: str, mode: str | None, draws: bool, monkeypatch: pytest.MonkeyPatch) -> None:
+    pytest.importorskip("pygame")
+    monkeypatch.setenv("SDL_VIDEODRIVER", "dummy")
+    monkeypatch.delenv("DISPLAY", raising=False)
+    if env_id in ("LunarLander-v3", "BipedalWalker-v3"):
+        pytest.importorskip("Box2D")
+    ours, theirs = (module.make(env_id, render_mode=mode, disable_env_checker=True).unwrapped for module in (rustgym, gymnasium))
+
+    def compared(phase: str) -> None:
+        for name in ("screen", "clock", "isopen", "window_surface", "surf"):
+            missing = object()
+            found, expected = getattr(ours, name, missing), getattr(theirs, name, missing)
+            if expected is None or isinstance(expected, bool):
+                assert found is expected or (found is missing and name == "surf"), (phase, name, found, expected)
+            else:
+                assert found is missing, (phase, name, found, expected)
+
+    compared("made")
+    for env in (ours, theirs):
+        env.reset(seed=1)
+    compared("reset")
+    if draws and mode is not None:
+        for env in (ours, theirs):
+            env.render()
+        compared("drawn")
+    for env in (ours, theirs):
+        env.step(env.action_space.sample())
+    compared("stepped")
+    for env in (ours, theirs):
+        env.close()
+    compared("closed")
+
+
 def test_a_window_of_pygame_shows_the_frame_under_its_title(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("SDL_VIDEODRIVER", "dummy")
     pygame = pytest.importorskip("pygame")

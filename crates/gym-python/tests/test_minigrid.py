@@ -10,6 +10,7 @@ from conftest import assert_same
 
 import rustgym
 from rustgym._specs import class_of, registered, spec_of
+from rustgym.envs.minigrid import Grid
 
 minigrid = pytest.importorskip("minigrid")
 import gymnasium  # noqa: E402
@@ -78,6 +79,30 @@ def test_attributes_are_those_of_minigrid(env_id: str) -> None:
         (grid, mask), (their_grid, their_mask) = (env.gen_obs_grid(size) for env in (ours, theirs))
         assert_same(mask, their_mask, f"cells seen of {size}")
         assert_same(grid.encode(mask), their_grid.encode(their_mask), f"view of {size}")
+
+
+@pytest.mark.parametrize("env_id", IDS)
+def test_a_grid_without_the_package_has_its_cells(env_id: str) -> None:
+    theirs: Any = gymnasium.make(env_id).unwrapped
+    theirs.reset(seed=1)
+    image, mask = theirs.grid.encode(), np.random.default_rng(0).integers(2, size=(theirs.width, theirs.height)).astype(bool)
+    grid = Grid(image)
+    assert (grid.width, grid.height, len(grid.grid)) == (theirs.width, theirs.height, theirs.width * theirs.height)
+    for i in range(grid.width):
+        for j in range(grid.height):
+            cell, expected = grid.get(i, j), theirs.grid.get(i, j)
+            assert cell is grid.grid[j * grid.width + i]
+            if expected is None:
+                assert cell is None
+            else:
+                assert cell is not None and (cell.type, cell.color, cell.state) == (expected.type, expected.color, expected.encode()[2])
+    assert_same(grid.encode(), image)
+    assert_same(grid.encode(mask), theirs.grid.encode(mask))
+    grid.encode()[:] = 0
+    assert_same(grid.encode(), image)
+    with pytest.raises(gymnasium.error.DependencyNotInstalled) as raised:
+        grid.set(1, 1, None)
+    assert str(raised.value) == "a grid can be changed with the package minigrid: run `pip install minigrid`"
 
 
 def test_actions_beyond_three_turn_left_before_dynamic_obstacles() -> None:

@@ -78,6 +78,159 @@ const COMMANDS: &[(&str, &str)] = &[
     ("conform --format xml", ""),
     ("new 1a", ""),
     ("atari check --rom-dir .", ""),
+    ("list Nope", ""),
+    ("run Taxi-v4 --seeds 5..7 --plot a.SVG", ""),
+    ("run Taxi-v4 --seeds 0..1 --plot a.txt", ""),
+    ("run Taxi-v4 --seeds 0..1 --plot a", ""),
+    ("run Taxi-v4 --seeds 7..5", ""),
+    ("run Taxi-v4 --seeds 5", ""),
+    ("run MiniGrid-Empty-5x5-v0 --policy good --seeds 0..1", ""),
+    ("run CartPole-v0 --seeds 1..3 --policy good", ""),
+    ("run CartPole-v1 --kwargs {\"gravity\":1e400}", ""),
+    ("gif CartPole-v1 --max-frames 0", ""),
+    ("gif CartPole-v1 --out a.txt", ""),
+    ("gif Blackjack-v1 --policy good --out b.gif", ""),
+    ("demo --episodes 0", ""),
+    ("demo --max-frames 0", ""),
+    ("bench Nope-v1 --seconds 86400", ""),
+    ("bench Nope-v1 --seconds 86400.5", ""),
+    ("bench Nope-v1 --seconds 0", ""),
+    ("bench Nope-v1 --seconds -0.5", ""),
+    ("bench Nope-v1 --num-envs 0", ""),
+    ("bench Nope-v1 --kind slow", ""),
+    ("soak CartPole-v1 --steps 0", ""),
+    ("soak Nope-v1 --steps 5", ""),
+    ("play Taxi-v4 --terminal --seed 2 --fps 0", ""),
+    ("play Taxi-v4 --terminal --seed 2 --zoom 0", ""),
+    ("play Taxi-v4 --terminal --key A=9", ""),
+    ("play Taxi-v4 --terminal --key A", ""),
+    ("play Taxi-v4 --terminal --idle 9", ""),
+    ("play Taxi-v4 --terminal --episodes 0", ""),
+    ("play Taxi-v4 --terminal --record a.txt", ""),
+    (
+        "play CliffWalking-v1 --terminal --seed 1 --episodes 2",
+        "u\nr\n\nd\nrestart\nu\nq\n",
+    ),
+    ("mjcf rich.xml", ""),
+    ("mjcf rich.xml --keyframe 1 --steps 3", ""),
+    ("mjcf rich.xml --keyframe 2", ""),
+    ("mjcf rich.xml --out a.png --camera 1 --size 32x24", ""),
+    ("mjcf rich.xml --out a.png --camera 2", ""),
+    ("mjcf rich.xml --out a.png --size 0x24", ""),
+    ("mjcf rich.xml --out a.png --size 32", ""),
+    ("mjcf rich.xml --out a.png --distance 0", ""),
+    ("mjcf rich.xml --out a.txt", ""),
+    ("mjcf rich.xml --out a.gif", ""),
+    ("mjcf rich.xml --steps 0", ""),
+    ("replay twice.json neither.json rewards.json notes.json", ""),
+    ("replay seed.json fraction.json action.json text.json", ""),
+    ("replay settings.json", ""),
+    ("replay limit.json threshold.json space.json sign.json", ""),
+    ("replay nothing.json silent.json wrapper.json", ""),
+    (
+        "replay none.json fast.json mode.json mask.json seeds.json few.json",
+        "",
+    ),
+    ("replay seeds.json --out replayed", ""),
+    ("replay replayed/seeds.json", ""),
+];
+
+/// Every kind of part twice: with a name, and without one.
+const RICH: &str = r#"<mujoco model="rich"><option timestep="0.004" integrator="implicitfast" solver="CG"/>
+<asset><mesh name="t" vertex="0 0 0 1 0 0 0 1 0 0 0 1"/><mesh name="u" vertex="0 0 0 2 0 0 0 1 0 0 0 1"/>
+<texture name="sky" type="skybox" builtin="gradient" width="8" height="8"/><material name="red" rgba="1 0 0 1"/></asset>
+<worldbody><geom type="plane" size="1 1 1"/><geom type="plane" size="1 1 1" pos="0 0 -1"/><camera name="eye"/><camera/>
+<body name="one" pos="0 0 1"><freejoint name="free"/><geom size="0.1" mass="1"/><geom size="0.1" mass="1"/>
+<geom type="capsule" size="0.1 0.2" mass="1" contype="0"/><geom type="capsule" size="0.1 0.2" mass="1" conaffinity="0"/>
+<site name="s"/><site name="e" pos="0.1 0 0"/>
+<body pos="1 0 0"><joint type="ball"/><geom type="box" size="1 1 1" mass="2" contype="0" conaffinity="0"/>
+<geom type="ellipsoid" size="1 1 1" mass="2"/><geom type="ellipsoid" size="1 1 1" mass="2"/>
+<body name="three" pos="1 0 0"><joint name="h" range="-60 30"/><joint type="slide" range="-0.5 2" axis="1 0 0"/>
+<geom type="mesh" mesh="t"/><geom type="mesh" mesh="u"/><geom type="cylinder" size="0.1 0.2" mass="1"/>
+<geom type="cylinder" size="0.1 0.2" mass="1"/></body></body></body>
+<body name="hand" mocap="true"><geom type="box" size="1 1 1"/></body></worldbody>
+<tendon><fixed name="rope" range="-1 1"><joint joint="h" coef="1"/></fixed>
+<spatial><site site="s"/><site site="e"/></spatial></tendon>
+<equality><weld body1="one" body2="hand"/><connect body1="three" anchor="0 0 0"/><joint joint1="h"/>
+<tendon tendon1="rope"/><weld site1="s" site2="e"/></equality>
+<actuator><motor name="m" joint="h" ctrlrange="-2 2"/><position tendon="rope"/><velocity site="s" gear="1 0 0 0 0 0"/>
+<motor jointinparent="h"/><adhesion name="stick" body="one" ctrlrange="0 2"/>
+<motor cranksite="s" slidersite="e" cranklength="2"/></actuator>
+<sensor><gyro name="felt" site="s"/><accelerometer site="e"/><touch site="s"/><jointpos joint="h"/>
+<tendonvel tendon="rope"/><actuatorfrc actuator="m"/><framequat objtype="body" objname="three"/><framepos objtype="xbody" objname="three"/>
+<framepos objtype="camera" objname="eye"/><subtreecom body="one"/><clock/></sensor>
+<keyframe><key name="up" time="1"/><key/></keyframe></mujoco>"#;
+
+/// Recordings that differ from another in one place: a name, and what is replaced by what.
+const SPOILT: &[(&str, &str, &str, &str)] = &[
+    (
+        "twice",
+        WHOLE,
+        "{\"step\": 2",
+        "{\"reset\": {\"seed\": 1}, \"step\": 2",
+    ),
+    ("neither", WHOLE, "\"step\": 2, ", ""),
+    ("rewards", WHOLE, "\"reward\"", "\"rewards\""),
+    ("notes", WHOLE, "numpy", "numpi"),
+    ("seed", WHOLE, "\"seed\": 1", "\"seed\": -1"),
+    ("fraction", WHOLE, "\"seed\": 1", "\"seed\": 1.5"),
+    ("action", WHOLE, "\"step\": 2", "\"step\": 9"),
+    ("text", WHOLE, "\"step\": 2", "\"step\": \"x\""),
+    (
+        "settings",
+        WHOLE,
+        "\"numpy\"",
+        "\"mujoco\": \"3.12\", \"frame_mask\": [[0, 0, 1, 1]], \"observation_mask\": [[0, 0, 1, 1]], \
+         \"policy\": 3, \"numpy\"",
+    ),
+    ("limit", WHOLE, ": 100", ": 1"),
+    (
+        "threshold",
+        WHOLE,
+        "\"numpy\"",
+        "\"reward_threshold\": 0.5, \"numpy\"",
+    ),
+    (
+        "space",
+        WHOLE,
+        "\"numpy\"",
+        "\"action_space\": \"Discrete(5)\", \"numpy\"",
+    ),
+    ("sign", WHOLE, "\"reward\": 0.0", "\"reward\": -0.0"),
+    ("nothing", WHOLE, "\"events\"", "\"events\": [], \"note\""),
+    (
+        "silent",
+        WHOLE,
+        "\"observation\": 0, \"info\"",
+        "\"frame_plain\": 3, \"info\"",
+    ),
+    (
+        "wrapper",
+        WHOLE,
+        "\"numpy\"",
+        "\"wrappers\": [{\"name\": \"Nope\", \"kwargs\": {}}], \"numpy\"",
+    ),
+    ("none", VECTOR, "\"num_envs\": 2", "\"num_envs\": 0"),
+    (
+        "fast",
+        VECTOR,
+        "\"num_envs\": 2",
+        "\"num_envs\": 2, \"kind\": \"fast\"",
+    ),
+    (
+        "mode",
+        VECTOR,
+        "\"num_envs\": 2",
+        "\"num_envs\": 2, \"autoreset_mode\": \"Never\"",
+    ),
+    (
+        "mask",
+        VECTOR,
+        "\"seed\": 1",
+        "\"seed\": 1, \"options\": {\"reset_mask\": [true]}",
+    ),
+    ("seeds", VECTOR, "\"seed\": 1", "\"seed\": [7, null]"),
+    ("few", VECTOR, "\"seed\": 1", "\"seed\": [7]"),
 ];
 
 const ARM: &str = r#"<mujoco model="arm"><worldbody>
@@ -110,6 +263,12 @@ fn write_files(home: &Path) {
     ];
     for (name, text) in files {
         std::fs::write(home.join(name), text).unwrap();
+    }
+    std::fs::write(home.join("rich.xml"), RICH).unwrap();
+    for (name, text, from, to) in SPOILT {
+        let spoilt = text.replacen(from, to, 1);
+        assert_ne!(spoilt, *text, "{name}");
+        std::fs::write(home.join(name).with_extension("json"), spoilt).unwrap();
     }
 }
 

@@ -50,9 +50,9 @@ fn write(m: &Model, out: &mut String) -> fmt::Result {
         let [low, high] = m.tendon_range[i];
         write!(
             out,
-            "{}, {} parts",
+            "{}, {}",
             Name(m, ObjectType::Tendon, i),
-            m.tendon_num[i]
+            counted(m.tendon_num[i], "part", "parts")
         )?;
         if m.tendon_limited[i] {
             write!(out, ", {low} to {high} m")?;

@@ -157,7 +157,8 @@ const RICH: &str = r#"<mujoco model="rich"><option timestep="0.004" integrator="
 <motor jointinparent="h"/><adhesion name="stick" body="one" ctrlrange="0 2"/>
 <motor cranksite="s" slidersite="e" cranklength="2"/></actuator>
 <sensor><gyro name="felt" site="s"/><accelerometer site="e"/><touch site="s"/><jointpos joint="h"/>
-<tendonvel tendon="rope"/><actuatorfrc actuator="m"/><framequat objtype="body" objname="three"/><framepos objtype="xbody" objname="three"/>
+<tendonvel tendon="rope"/><actuatorfrc actuator="m"/><framequat objtype="body" objname="three"/>
+<framepos objtype="xbody" objname="three"/>
 <framepos objtype="camera" objname="eye"/><subtreecom body="one"/><clock/></sensor>
 <keyframe><key name="up" time="1"/><key/></keyframe></mujoco>"#;
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import copy
+import inspect
 import math
 import pickle
 from collections.abc import Callable
@@ -14,6 +15,7 @@ import pytest
 from conftest import assert_same
 
 import rustgym
+from rustgym._live import Live
 
 Change = Callable[[Any], None]
 WAYS: dict[str, Callable[[Any], Any]] = {
@@ -282,6 +284,28 @@ def test_environments_of_a_vector_are_live() -> None:
     assert np.array_equal(kept.state, envs.envs[2].state) and kept is envs.envs[2]
     envs.get_attr("state")[0][0] = 1.0
     assert envs.step([0, 0, 0])[0][0, 0] > 0.9
+
+
+@pytest.mark.parametrize("env_id", ["CartPole-v1", "Acrobot-v1", "Pendulum-v1", "FrozenLake-v1", "Taxi-v4", "Hopper-v5", "Blackjack-v1"])
+def test_what_was_read_of_an_environment_of_a_vector_goes_on_as_of_one_alone(env_id: str) -> None:
+    envs, alone = rustgym.VectorEnv(env_id, 2, kind="sync"), rustgym.Env(env_id)
+    envs.reset(seed=[3, 4]), alone.reset(seed=4)
+    within = envs.envs[1]
+    live = [name for name in dir(type(alone)) if isinstance(inspect.getattr_static(type(alone), name), Live) and hasattr(alone, name)]
+    # (a card more)
+    action = np.int64(1) if env_id == "Blackjack-v1" else alone.action_space.sample()
+
+    def step() -> None:
+        envs.step(np.stack([action, action])), alone.step(action)
+
+    for go_on in (step, lambda: (envs.reset(seed=[5, 6]), alone.reset(seed=6)), step):
+        kept = {name: (getattr(within, name), getattr(alone, name)) for name in live}
+        go_on()
+        for name, (ours, expected) in kept.items():
+            assert_same(ours, expected, name)
+            assert (getattr(within, name) is ours) == (getattr(alone, name) is expected), name
+            assert_same(getattr(within, name), getattr(alone, name), name)
+    assert live
 
 
 @pytest.mark.parametrize("way", ["itself", "pickle"])

@@ -159,6 +159,19 @@ def test_a_copy_has_a_model_and_data_of_its_own(way: Callable[[Any], Any]) -> No
     assert not np.array_equal(twin.step(action)[0], results[0])
 
 
+def test_states_are_of_environments_that_the_same_engine_steps() -> None:
+    env, fresh = ours("Hopper-v5"), ours("Hopper-v5")
+    for e in (env, fresh):
+        e.reset(seed=2)
+    env.model.opt.gravity[2] = -5.0
+    env.step(actions_of(env, 1)[0])
+    with pytest.raises(ValueError, match="^the state is of an environment that MuJoCo's package does not step, and it steps this one$"):
+        env.set_state(fresh.get_state())
+    # the other way, the package takes over
+    fresh.set_state(env.get_state())
+    assert fresh._is_handed and fresh.model.opt.gravity[2] == -5.0
+
+
 def test_a_hand_over_is_warned_of_once() -> None:
     gymnasium.logger.min_level = gymnasium.logger.WARN
     try:

@@ -52,10 +52,6 @@ pub(crate) fn com_pos_of<N: Number>(
     let bodies = &m.plan().bodies[..n];
     let (xipos, ximat) = (&numbers.xipos[..n], &numbers.ximat[..n]);
     let (com, cinert) = (&mut numbers.subtree_com[..n], &mut numbers.cinert[..n]);
-    let centre = |b: usize, moment| match bodies[b].inverse_mass {
-        Some(inverse) => scale(moment, inverse),
-        None => get::<N, 3>(at, &xipos[b]),
-    };
     for b in 0..n {
         let part = scale(get::<N, 3>(at, &xipos[b]), bodies[b].mass);
         put(at, part, &mut com[b]);
@@ -65,13 +61,20 @@ pub(crate) fn com_pos_of<N: Number>(
         let (sum, mut part) = (get::<N, 3>(at, &com[parent]), get::<N, 3>(at, &com[b]));
         if asleep(b) && !asleep(parent) {
             // of what sleeps, MuJoCo keeps the centre, not the moment
-            part = scale(centre(b, part), m.body_subtreemass[b]);
+            part = scale(
+                centre::<N>(bodies[b].inverse_mass, at, &xipos[b], part),
+                m.body_subtreemass[b],
+            );
         }
         put(at, add(sum, part), &mut com[parent]);
     }
     for b in 0..n {
         let body = &bodies[b];
-        put(at, centre(b, get(at, &com[b])), &mut com[b]);
+        put(
+            at,
+            centre::<N>(body.inverse_mass, at, &xipos[b], get(at, &com[b])),
+            &mut com[b],
+        );
         if b > 0 {
             let offset = sub(get::<N, 3>(at, &xipos[b]), get(at, &com[body.root]));
             let mat = get(at, &ximat[b]);
@@ -111,5 +114,19 @@ pub(crate) fn com_pos_of<N: Number>(
                 put(at, join(axis, cross(axis, offset)), &mut cdof[i]);
             }
         }
+    }
+}
+
+/// The centre of mass of a subtree with `moment`, or of its body, at `xipos`, where the subtree has no mass.
+#[inline(always)] // out of line, a part of a stage has no vector instructions
+fn centre<N: Number>(
+    inverse_mass: Option<f64>,
+    at: N::At,
+    xipos: &[N::Cell; 3],
+    moment: [N; 3],
+) -> [N; 3] {
+    match inverse_mass {
+        Some(inverse) => scale(moment, inverse),
+        None => get(at, xipos),
     }
 }

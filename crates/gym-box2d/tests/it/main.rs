@@ -2,6 +2,7 @@
 
 mod contract;
 mod engines;
+mod formulas;
 mod lots;
 mod rapier;
 mod rules;

@@ -136,4 +136,28 @@ mod tests {
         }
         assert!(Emulated::fma(f64::NAN, 1.0, 1.0).is_nan());
     }
+
+    /// A product that is a little less or more than half a unit of the other number's last place.
+    #[test]
+    fn a_sum_beside_the_middle_is_rounded_to_its_side() {
+        for (i, sign) in (1..=50).flat_map(|i| [(i, 1.0), (i, -1.0)]) {
+            let small = 2f64.powi(-i);
+            for c in [1.0, 1.0 + f64::EPSILON, 1.5, 2.0 - f64::EPSILON] {
+                let half = sign * f64::EPSILON / 2.0;
+                let fma = |b: f64| sign * Emulated::fma(half * (1.0 + small), b, sign * c);
+                assert_eq!(fma(1.0 - small), c, "{c:?} and less, {i}");
+                assert_eq!(fma(1.0 + small), c + f64::EPSILON, "{c:?} and more, {i}");
+            }
+            if i > 22 {
+                continue;
+            }
+            let (small, sign) = (small as f32, sign as f32);
+            for c in [1.0, 1.0 + f32::EPSILON, 1.5, 2.0 - f32::EPSILON] {
+                let half = sign * f32::EPSILON / 2.0;
+                let fma = |b: f32| sign * fma_f32(half * (1.0 + small), b, sign * c);
+                assert_eq!(fma(1.0 - small), c, "{c:?} and less, {i}");
+                assert_eq!(fma(1.0 + small), c + f32::EPSILON, "{c:?} and more, {i}");
+            }
+        }
+    }
 }

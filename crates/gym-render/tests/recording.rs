@@ -22,6 +22,8 @@ use tempfile::TempDir;
 
 #[path = "recording/clones.rs"]
 mod clones;
+#[path = "recording/options.rs"]
+mod options;
 
 thread_local! {
     /// How many pictures a test's thread has drawn.
@@ -260,29 +262,6 @@ fn a_file_is_finished_by_close_drop_and_into_inner() {
             [0, 1]
         );
     }
-}
-
-#[test]
-fn recording_is_no_part_of_clones_and_snapshots() {
-    let folder = TempDir::new().unwrap();
-    let mut env = RecordVideo::new(drawn(), folder.path()).unwrap();
-    env.reset(0).unwrap();
-    assert_eq!(env.snapshot().unwrap(), drawn().snapshot().unwrap());
-    let start = env.snapshot().unwrap();
-    env.step(&0).unwrap();
-    let mut clone = env.clone();
-    play(&mut clone, 9);
-    drop(clone);
-    env.restore(&start).unwrap();
-    env.step(&0).unwrap();
-    env.step(&0).unwrap();
-    drop(env);
-    assert_eq!(names(folder.path()), ["rl-video-episode-0.gif"]);
-    // the frames 0 and 1, then 1 and 2 after the restore
-    assert_eq!(
-        counts(&folder.path().join("rl-video-episode-0.gif")),
-        [0, 1, 2]
-    );
 }
 
 /// A restore drops the frames from before the restore, also the frames that the recorder has taken

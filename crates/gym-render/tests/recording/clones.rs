@@ -117,3 +117,26 @@ fn a_clone_that_renders_goes_on() {
         }
     }
 }
+
+#[test]
+fn recording_is_no_part_of_clones_and_snapshots() {
+    let folder = TempDir::new().unwrap();
+    let mut env = RecordVideo::new(drawn(), folder.path()).unwrap();
+    env.reset(0).unwrap();
+    assert_eq!(env.snapshot().unwrap(), drawn().snapshot().unwrap());
+    let start = env.snapshot().unwrap();
+    env.step(&0).unwrap();
+    let mut clone = env.clone();
+    play(&mut clone, 9);
+    drop(clone);
+    env.restore(&start).unwrap();
+    env.step(&0).unwrap();
+    env.step(&0).unwrap();
+    drop(env);
+    assert_eq!(names(folder.path()), ["rl-video-episode-0.gif"]);
+    // the frames 0 and 1, then 1 and 2 after the restore
+    assert_eq!(
+        counts(&folder.path().join("rl-video-episode-0.gif")),
+        [0, 1, 2]
+    );
+}

@@ -3,7 +3,7 @@
 //! RAM), by accesses to the addresses of `E0`, and by a call of `$D000` (`FE`).
 
 use gym_atari::Display;
-use gym_atari::cartridge::{Cartridge, Scheme};
+use gym_atari::cartridge::{Banks, Cartridge, Scheme};
 use gym_atari::console::{Console, Input};
 
 use crate::lcg::Lcg;
@@ -180,5 +180,65 @@ fn banks_are_switched_as_in_ale_py() {
                 "{scheme:?}, seed {seed}"
             );
         }
+    }
+}
+
+/// A window of a stored cartridge starts at any kilobyte of its ROM, and nowhere else.
+#[test]
+fn stored_windows_lie_within_the_rom() {
+    let kilobytes = [4, 4, 8, 8, 16, 16, 8, 8, 10];
+    for (scheme, kilobytes) in Scheme::ALL.into_iter().zip(kilobytes) {
+        let mut cartridge = Cartridge::new(&[1, 2, 3], scheme);
+        let stored = serde_json::to_value(cartridge.banks()).unwrap();
+        for (window, half) in (0..4).flat_map(|window| (0..36).map(move |half| (window, half))) {
+            let mut changed = stored.clone();
+            changed["windows"][window] = (half * 0x200).into();
+            let banks: Banks = serde_json::from_value(changed).unwrap();
+            let before = cartridge.banks().clone();
+            let fits = half % 2 == 0 && half / 2 < kilobytes;
+            let what = format!("{scheme:?}, window {window} at {half} halves");
+            assert_eq!(cartridge.set_banks(&banks), fits, "{what}");
+            assert_eq!(
+                *cartridge.banks(),
+                if fits { banks } else { before },
+                "{what}"
+            );
+        }
+        for other in Scheme::ALL {
+            let banks = Cartridge::new(&[], other).banks().clone();
+            assert_eq!(
+                cartridge.set_banks(&banks),
+                other == scheme,
+                "{scheme:?} {other:?}"
+            );
+        }
+    }
+}
+
+/// Stored pictures have a colour for each of their pixels, and one of the two is being drawn.
+#[test]
+fn damaged_pictures_are_refused_and_change_nothing() {
+    const PIXELS: u32 = 2 * 250 * 160;
+    let cartridge = Cartridge::new(&[], Scheme::Rom4K);
+    let mut console = Console::new(cartridge, Display::NTSC, [0; 128], 74);
+    for (fits, current, runs) in [
+        (true, 0, vec![(PIXELS, 4)]),
+        (true, 1, vec![(1, 2), (PIXELS - 1, 4)]),
+        (false, 2, vec![(PIXELS, 4)]),
+        (false, 0, vec![]),
+        (false, 0, vec![(PIXELS - 1, 4)]),
+        (false, 0, vec![(PIXELS + 1, 4)]),
+        (false, 0, vec![(PIXELS, 4), (1, 6)]),
+        (false, 1, vec![(u32::MAX, 4)]),
+    ] {
+        let stored = serde_json::json!({"current": current, "runs": runs});
+        let pictures = serde_json::from_value(stored.clone()).unwrap();
+        let before = console.pictures();
+        assert_eq!(console.set_pictures(&pictures), fits, "{stored}");
+        assert_eq!(
+            console.pictures(),
+            if fits { pictures } else { before },
+            "{stored}"
+        );
     }
 }

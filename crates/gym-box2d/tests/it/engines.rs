@@ -4,13 +4,13 @@ use gym_box2d::physics::{
     BodyDef, BodyId, Filter, FixtureDef, JointId, Physics, RevoluteJointDef, Shape, Vec2, World,
 };
 
-pub const ENGINES: &[Physics] = &[
+pub(crate) const ENGINES: &[Physics] = &[
     Physics::Box2d,
     #[cfg(feature = "rapier")]
     Physics::Rapier,
 ];
 
-pub fn v(x: f32, y: f32) -> Vec2 {
+pub(crate) fn v(x: f32, y: f32) -> Vec2 {
     Vec2::new(x, y)
 }
 

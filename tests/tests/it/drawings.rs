@@ -5,7 +5,8 @@
 
 use std::path::Path;
 
-use gym::render::DrawLog;
+use gym::canvas::{Align, Color};
+use gym::render::{DrawLog, Plot};
 use gym::{Env, EnvExt, Registration, registry};
 use gym_testing::{Digest, kept};
 
@@ -55,16 +56,28 @@ fn drawings_are_as_kept() {
 #[test]
 fn whole_episodes_are_drawn_as_kept() {
     let all = registry::self_contained().into_iter();
-    let few = all.filter(|entry| ["gym-classic", "gym-toytext"].contains(&entry.source.package));
+    let is_world = |entry: &Registration| {
+        entry.id().starts_with("LunarLander") || entry.id().starts_with("BipedalWalker")
+    };
+    let few = all.filter(|entry| {
+        is_world(entry) || ["gym-classic", "gym-toytext"].contains(&entry.source.package)
+    });
     let mut sums = String::new();
     for registration in few {
         let id = registration.id();
         let mut env = registration.spec().unwrap().make().unwrap();
         let mut actions = env.action_sampler(0).unwrap();
         let mut digest = Digest::default();
-        for seed in 0..6 {
+        // (the lander's exhaust is there for who draws; it falls for a hundred steps)
+        env.frames_drawn(0);
+        let (seeds, steps) = if is_world(&registration) {
+            (1, 200)
+        } else {
+            (6, 50)
+        };
+        for seed in 0..seeds {
             env.reset(seed).unwrap();
-            for _ in 0..50 {
+            for _ in 0..steps {
                 digest.bytes(
                     DrawLog::of(|canvas| env.draw(canvas))
                         .to_string()
@@ -80,4 +93,78 @@ fn whole_episodes_are_drawn_as_kept() {
     }
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("drawings");
     kept(&folder.join("episodes.txt"), &sums);
+}
+
+/// The calls of plots with every option: series in their order with their colours, averages, labels,
+/// a legend of several rows, numbers of each size.
+#[test]
+fn plots_are_drawn_as_kept() {
+    let waves = |n: usize| {
+        (0..n)
+            .map(|i| ((i * i) % 7) as f64 - 1.5)
+            .collect::<Vec<_>>()
+    };
+    let few = Plot::new("few")
+        .series("first", &[1.0, 4.0, 2.0, f64::NAN, 3.0])
+        .series("", &[2.5])
+        .series("third", &[0.5, f64::INFINITY, 0.75]);
+    let averaged = Plot::new("")
+        .x_label("update")
+        .y_label("loss")
+        .series("one", &waves(30))
+        .series("two", &waves(12))
+        .moving_average(5);
+    let many = (0..14).fold(Plot::new("many"), |plot, seed| {
+        plot.series(
+            format!("a run with the seed {seed}"),
+            &[f64::from(seed), 2.0],
+        )
+    });
+    let sizes =
+        [-2e5, 1e-7, 3e12, 0.0].map(|x| Plot::new("").y_label("y").series("x", &[x, 2.0 * x, x]));
+    let both = Plot::episodes(
+        "both",
+        2,
+        [
+            ("run", &waves(4)[..], &[9.0, 8.0, 7.0, 1e3][..]),
+            ("", &[1.0], &[]),
+        ],
+    );
+    let all = [few, averaged, many, both].into_iter().chain(sizes);
+    let drawn: String = all
+        .map(|plot| {
+            format!(
+                "# {:?}\n{}\n",
+                plot.size(),
+                DrawLog::of(|canvas| plot.draw(canvas))
+            )
+        })
+        .collect();
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("drawings");
+    kept(&folder.join("plots.txt"), &drawn);
+}
+
+/// The strokes of each character, a line each, and a box for those that the font lacks.
+#[test]
+fn characters_are_drawn_as_kept() {
+    let characters = (' '..='\u{80}').map(|character| {
+        let drawn = gym::render::svg((20, 20), |canvas| {
+            canvas.text(
+                &character.to_string(),
+                [0.0, 20.0],
+                16.0,
+                Align::Left,
+                Color::BLACK,
+            );
+        });
+        let strokes = drawn
+            .lines()
+            .find_map(|line| line.split_once(" d=\""))
+            .unwrap_or_default();
+        let strokes = strokes.1.split('"').next().unwrap_or_default();
+        format!("{character:?} {strokes}\n")
+    });
+    let characters: String = characters.collect();
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("drawings");
+    kept(&folder.join("characters.txt"), &characters);
 }

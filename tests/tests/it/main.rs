@@ -18,6 +18,7 @@ mod options;
 mod parity;
 mod parity_box2d;
 mod places;
+mod policies;
 mod properties;
 mod registered;
 mod restored;

@@ -26,6 +26,37 @@ fn native_vectors_equal_scalar_environments() {
     }
 }
 
+/// Both ends of a probability are possible, and the next numbers beyond them are refused by name.
+#[test]
+fn probabilities_are_from_0_to_1() {
+    for (id, class, name, switch) in [
+        ("FrozenLake-v1", "FrozenLake", "success_rate", "is_slippery"),
+        ("Taxi-v4", "Taxi", "rainy_probability", "is_rainy"),
+        ("Taxi-v4", "Taxi", "fickle_probability", "fickle_passenger"),
+    ] {
+        for probability in [-1.0, -1e-9, 0.0, 5e-324, 1.0, 1.0 + f64::EPSILON, 2.0] {
+            for is_used in [false, true] {
+                let made = builder(id)
+                    .arg(switch, is_used)
+                    .arg(name, probability)
+                    .build();
+                if (0.0..=1.0).contains(&probability) {
+                    let mut env = made.unwrap();
+                    env.reset(3).unwrap();
+                    env.step(&Value::Int(1)).unwrap();
+                    continue;
+                }
+                assert_eq!(
+                    made.unwrap_err().to_string(),
+                    format!(
+                        "invalid argument for {class}: {name} is {probability}: a probability is between 0 and 1"
+                    )
+                );
+            }
+        }
+    }
+}
+
 #[test]
 fn older_versions_take_no_arguments() {
     let mut cliff = builder("CliffWalking-v0").build().unwrap();

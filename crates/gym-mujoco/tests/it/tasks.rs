@@ -161,6 +161,53 @@ fn bad_arguments_say_what_is_wrong() {
     }
 }
 
+/// A model with one hinge fewer than a task needs is refused with both numbers; one with as many may
+/// be refused for another reason only, or takes steps.
+#[test]
+fn a_model_that_is_too_small_says_how_much_a_task_needs() {
+    let chain = |hinges: usize| {
+        let body = r#"<body><joint name="NAME"/><geom size="0.1"/>"#;
+        let bodies: String = (0..hinges)
+            .map(|i| body.replace("NAME", &i.to_string()))
+            .collect();
+        let motors: String = (0..hinges)
+            .map(|i| format!(r#"<motor joint="{i}" ctrlrange="-1 1"/>"#))
+            .collect();
+        let ends = "</body>".repeat(hinges);
+        // (cameras follow one of the first bodies)
+        let still = r#"<body><geom size="0.1"/></body>"#;
+        json!(format!(
+            "<mujoco><worldbody>{still}{still}{bodies}{ends}</worldbody><actuator>{motors}</actuator></mujoco>"
+        ))
+    };
+    for (id, what, needed) in [
+        ("Ant-v5", "positions", 3),
+        ("HalfCheetah-v5", "positions", 1),
+        ("Hopper-v5", "positions", 3),
+        ("Humanoid-v5", "positions", 3),
+        ("HumanoidStandup-v5", "positions", 3),
+        ("InvertedDoublePendulum-v5", "degrees of freedom", 3),
+        ("InvertedPendulum-v5", "positions", 2),
+        ("Pusher-v5", "positions", 11),
+        ("Reacher-v5", "positions", 4),
+        ("Swimmer-v5", "positions", 2),
+        ("Walker2d-v5", "positions", 3),
+    ] {
+        for hinges in 0..needed {
+            let said = refusal(id, "xml_file", chain(hinges));
+            let reason = format!("the model has {hinges} {what}, the task needs {needed}");
+            assert!(said.ends_with(&reason), "{id}: {said}");
+        }
+        match builder(id).arg("xml_file", chain(needed)).build() {
+            Err(error) => assert!(!error.to_string().contains(what), "{id}: {error}"),
+            Ok(mut env) => {
+                env.reset(0).unwrap();
+                play(&mut env, 0, 3);
+            }
+        }
+    }
+}
+
 #[test]
 fn files_of_users_are_models() {
     let folder = std::env::temp_dir().join(format!("gym-mujoco-{}", std::process::id()));

@@ -15,7 +15,7 @@ use gym_testing::kept;
 use serde_json::{Value as Json, json};
 
 /// A space of each kind, with an element.
-fn kinds() -> Vec<(Space, Json)> {
+pub(crate) fn kinds() -> Vec<(Space, Json)> {
     let three = || Space::discrete(3);
     let pair = || Space::from(TupleSpace::new([three(), Space::discrete(2)]));
     let text = TextSpace::new(1, 2).and_then(|text| text.with_charset("ab"));
@@ -151,4 +151,73 @@ fn a_refused_value_tells_the_part_and_the_fault() {
     }
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/it");
     kept(&folder.join("refused_values.txt"), &told);
+}
+
+/// Batches of other spaces or of another length, flat elements and actions of other spaces: each call
+/// with its whole refusal.
+#[test]
+fn a_refused_batch_or_action_tells_the_part_and_the_fault() {
+    let three = || Space::discrete(3);
+    let ranks = SequenceSpace::new(three());
+    let deep = DictSpace::new([("a", ranks.clone().into()), ("b", three())]).unwrap();
+    let long = TupleSpace::new([three(), ranks.into()]);
+    let mut all: Vec<(Space, Value)> = kinds()
+        .into_iter()
+        .chain([
+            (deep.into(), json!({"a": [2], "b": 1})),
+            (long.into(), json!([1, [2, 0]])),
+        ])
+        .map(|(space, json)| (space.clone(), space.from_json(&json).unwrap()))
+        .collect();
+    let numbers = |value: Value| (Space::boxed([0.0; 2], [1.0; 2]), value);
+    all.extend([
+        numbers([f32::NAN, 0.0].into()),
+        numbers([0.5_f64, f64::INFINITY].into()),
+        numbers([0_i32, 7].into()),
+        numbers(Value::Tuple(vec![Value::Float(0.5), Value::Bool(true)])),
+    ]);
+    let mut told = String::new();
+    for (space, element) in &all[..kinds().len() + 2] {
+        writeln!(told, "{space}").unwrap();
+        for (i, (kind, other)) in all.iter().enumerate() {
+            let two = Value::Tuple(vec![element.clone(), other.clone()]);
+            let batch = match kind.concatenate(&[other.clone(), other.clone()]) {
+                Ok(batch) if i % 2 == 0 => batch,
+                _ => two,
+            };
+            let (mut row, mut real) = (Value::Null, Value::Null);
+            let answers = [
+                ("checked", space.check_batch(&batch, 2)),
+                ("for three", space.check_batch(&batch, 3)),
+                ("as actions", space.check_actions(&batch, 2)),
+                ("row", space.read_row(&batch, 1, &mut row)),
+                ("row that is not there", space.read_row(&batch, 2, &mut row)),
+                ("action", space.read_action(&batch, 1, &mut row)),
+                ("iterated", space.iterate(&batch).map(drop)),
+                (
+                    "together",
+                    space
+                        .concatenate(&[element.clone(), other.clone()])
+                        .map(drop),
+                ),
+                ("from flat", space.unflatten(other).map(drop)),
+                ("as numbers", space.real_action(other, None, &mut real)),
+                ("refused", Err(space.refuse_action(other))),
+            ];
+            let mut texts: Vec<(String, Vec<&str>)> = Vec::new();
+            for (call, answer) in answers {
+                let text = answer.map_or_else(|error| error.to_string(), |()| "taken".into());
+                match texts.iter_mut().find(|(known, _)| *known == text) {
+                    Some((_, calls)) => calls.push(call),
+                    None => texts.push((text, vec![call])),
+                }
+            }
+            writeln!(told, "  {other} in {batch}").unwrap();
+            for (text, calls) in texts {
+                writeln!(told, "    {}: {text}", calls.join(", ")).unwrap();
+            }
+        }
+    }
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/it");
+    kept(&folder.join("refused_batches.txt"), &told);
 }

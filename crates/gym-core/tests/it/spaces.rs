@@ -48,7 +48,7 @@ fn graph(node_space: Space, edge_space: Option<Space>) -> Space {
 }
 
 /// Returns spaces of every kind, and of every kind inside another kind.
-fn many() -> Vec<Space> {
+pub(crate) fn many() -> Vec<Space> {
     let inf = f64::INFINITY;
     let mut spaces = vec![
         uniform(-1.0, 1.0, &[2, 3], DType::F32),

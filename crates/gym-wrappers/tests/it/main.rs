@@ -1,5 +1,6 @@
 //! Tests through the public interface, in one program that is linked once.
 
+mod around;
 mod episodes;
 mod registered;
 mod restores;

@@ -181,6 +181,23 @@ mod tests {
         assert_eq!(red(&frame), [0, 0, 0, 0, 128, 255, 191, 0, 64, 128, 96, 0]);
     }
 
+    /// Boxes between any two quarters of a pixel, along each axis, also beyond the frame and with their
+    /// corners exchanged.
+    #[test]
+    fn every_box_covers_its_share_of_each_pixel() {
+        let quarters = || (-2..=14).map(|i| f64::from(i) / 4.0);
+        for (min, max) in quarters().flat_map(|min| quarters().map(move |max| (min, max))) {
+            let share = |x: f64| (max.max(min).min(x + 1.0) - min.min(max).max(x)).max(0.0);
+            let expected = [0.0, 1.0, 2.0].map(|x| (share(x) * 255.0).round() as u8);
+            let mut row = Frame::new(3, 1).unwrap();
+            fill_box(&mut row, [min, 0.0], [max, 1.0], Color::WHITE);
+            assert_eq!(red(&row), expected, "from {min} to {max}");
+            let mut column = Frame::new(1, 3).unwrap();
+            fill_box(&mut column, [0.0, min], [1.0, max], Color::WHITE);
+            assert_eq!(red(&column), expected, "from {min} down to {max}");
+        }
+    }
+
     #[test]
     fn edges_move_to_quarters_of_a_pixel() {
         assert_eq!(shares(0.6, 2.1, 4), [(0..1, 0.5), (1..2, 1.0), (2..3, 0.0)]);

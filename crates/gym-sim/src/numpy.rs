@@ -243,6 +243,21 @@ mod tests {
         assert!(arcsinh(f64::NAN).is_nan() && tanh(f64::NAN).is_nan());
     }
 
+    /// Every row of the tables: numpy 2.5's sums over a hundred thousand numbers from 2^-12 to 2^12.
+    #[test]
+    fn hyperbolic_functions_are_numpys_over_their_whole_range() {
+        let sum = |f: fn(f64) -> f64| {
+            let mut sum = gym_testing::Sum::default();
+            for i in 0..100_000 {
+                let x = f64::from_bits(0x3f30_0000_0000_0000 + i * 1_080_863_910_568);
+                sum.word(f(x).to_bits());
+            }
+            sum.finish()
+        };
+        assert_eq!(sum(arcsinh), 0xbcd6_0a23_0ab2_cdac);
+        assert_eq!(sum(tanh), 0x46db_a19c_1470_a07d);
+    }
+
     #[test]
     fn long_dot_products_add_in_blocks() {
         // numpy 2.5, on a CPU with AVX-512: np.dot(1 / n, np.sqrt(n)) for n = np.arange(1, length + 1)

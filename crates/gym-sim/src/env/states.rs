@@ -112,6 +112,33 @@ fn what_is_shown_is_that_of_the_state_after_whatever_changed_it() {
     assert!(env.data().is_none() && env.info_map().is_empty());
 }
 
+/// A given start replaces its own part of the state, and what is shown follows.
+#[test]
+fn a_given_start_replaces_its_own_part() {
+    let state = |env: &SimEnv| {
+        let data = env.data().unwrap();
+        [data.qpos.clone(), data.qvel.clone()]
+    };
+    let mut drawn = plain();
+    drawn.reset(1).unwrap();
+    let drawn = state(&drawn);
+    let given = [vec![0.3, -0.2], vec![2.0, 1.0]];
+    for parts in [[true, false], [false, true], [true, true]] {
+        let start = [0, 1].map(|k| parts[k].then(|| given[k].clone()));
+        let mut env = env(&Common::default(), |settings| {
+            settings.start = start.clone()
+        });
+        for when in ["at first", "again"] {
+            env.reset(1).unwrap();
+            let expected = [0, 1].map(|k| start[k].as_ref().unwrap_or(&drawn[k]).clone());
+            assert_eq!(state(&env), expected, "{start:?} {when}");
+            assert_settled(&env, when);
+            env.step(&action()).unwrap();
+            assert_settled(&env, "after a step");
+        }
+    }
+}
+
 #[test]
 fn a_state_that_is_none_changes_nothing_and_says_which_part_is_wrong() {
     let mut env = plain();

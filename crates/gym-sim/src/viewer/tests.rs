@@ -1,3 +1,5 @@
+use gym_render::DrawLog;
+
 use super::*;
 use crate::view::tests::Colors;
 
@@ -390,6 +392,46 @@ fn sensors_are_recorded() {
     assert_eq!(viewer.history(1, 3).len() + viewer.history(7, 0).len(), 0);
     viewer.reset();
     assert_eq!(viewer.history(0, 0).len(), 0);
+}
+
+/// Whatever happened before a reset, what follows is what follows in a new viewer.
+#[test]
+fn a_used_viewer_goes_on_as_a_new_one_after_a_reset() {
+    let told = |viewer: &mut Viewer| {
+        let history: Vec<f64> = viewer.history(1, 2).collect();
+        let drawn = DrawLog::of(|canvas| viewer.draw(SIZE, canvas)).to_string();
+        let (data, controls) = (viewer.data(), viewer.controls().to_vec());
+        let state = (
+            data.time,
+            data.qpos.clone(),
+            data.qvel.clone(),
+            data.ctrl.clone(),
+        );
+        format!(
+            "{state:?} {history:?} {controls:?} {:?} {drawn}",
+            viewer.energy()
+        )
+    };
+    let mut used = viewer(ARM);
+    for keyframe in [None, Some("bent"), Some("1")] {
+        // part of a timestep and part of the time between two records are left
+        used.set_control(0, 0.7).unwrap();
+        used.step(23).unwrap();
+        used.advance(0.0213, || true).unwrap();
+        let mut new = viewer(ARM);
+        for viewer in [&mut used, &mut new] {
+            match keyframe {
+                None => viewer.reset(),
+                Some(name) => viewer.reset_to(name).unwrap(),
+            }
+        }
+        for seconds in [0.0, 0.0011, 0.0108, 0.02, 0.05] {
+            let taken =
+                [&mut used, &mut new].map(|viewer| viewer.advance(seconds, || true).unwrap());
+            assert_eq!(taken[0], taken[1], "{keyframe:?}");
+            assert_eq!(told(&mut used), told(&mut new), "{keyframe:?}");
+        }
+    }
 }
 
 #[test]

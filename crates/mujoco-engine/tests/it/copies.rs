@@ -77,9 +77,43 @@ fn missing_lengths_of_muscles_are_measured_or_refused() {
     for (compiler, reason) in [
         ("<lengthrange mode=\"none\"/>", "does not measure"),
         ("<lengthrange inttotal=\"1e9\"/>", "timesteps"),
+        (
+            "<lengthrange timestep=\"1\" inttotal=\"1000001\"/>",
+            "line 2: <lengthrange> attribute \"inttotal\": more than 1000000 timesteps are not supported",
+        ),
         ("", "converge"),
     ] {
         let error = arm(compiler, "").unwrap_err();
         assert!(error.contains(reason), "{error}");
+    }
+}
+
+/// The time that measuring takes is bounded by the timesteps of both ends, times degrees of freedom. What diverges at once
+/// takes no time.
+#[test]
+fn the_longest_measurement_of_lengths_is_tried_and_a_longer_one_refused() {
+    let arms = |bodies: usize| {
+        let options =
+            "<lengthrange accel=\"1e12\" timestep=\"1\" interval=\"5\" inttotal=\"1e6\"/>";
+        let arm =
+            |i| format!("<body><joint name=\"j{i}\"/><geom size=\".1\" pos=\".2 0 0\"/></body>");
+        let arms: String = (0..bodies).map(arm).collect();
+        let text = format!(
+            "<mujoco><compiler>{options}</compiler><worldbody>{arms}</worldbody><actuator><muscle joint=\"j0\"/></actuator></mujoco>"
+        );
+        Model::from_xml(&text).unwrap_err().to_string()
+    };
+    for (bodies, reason) in [
+        (
+            10,
+            "it cannot be measured, because the simulation is unstable",
+        ),
+        (
+            11,
+            "it would take more than 20000000 timesteps times degrees of freedom to measure: give it, or a smaller inttotal",
+        ),
+    ] {
+        let expected = format!("line 1: <muscle> attribute \"lengthrange\": missing: {reason}");
+        assert_eq!(arms(bodies), expected);
     }
 }

@@ -9,7 +9,7 @@ use serde_json::{Value, json};
 use super::digest;
 
 /// Versions and models whose states differ from libmujoco's in their last bits, by 2e-14 at most.
-const UNLIKE: [(&str, &str); 8] = [
+pub(super) const UNLIKE: [(&str, &str); 8] = [
     // the range of a muscle's length is measured in steps with the limit of a ball joint, whose angle is
     // `atan2` of the C library
     ("3.12", "actuator length all accel92"),
@@ -32,7 +32,7 @@ fn digest(text: &str, version: &str) -> String {
     )
 }
 
-fn models() -> Vec<String> {
+pub(super) fn models() -> Vec<String> {
     let world = include_str!("../recorded/parts/world.txt").trim_end();
     let low = world.replace(r#"pos="0 0 .5""#, r#"pos="0 0 .05""#);
     let models = include_str!("../recorded/parts/models.txt").lines();

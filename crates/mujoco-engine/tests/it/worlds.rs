@@ -8,7 +8,7 @@ use mujoco_engine::physics::rne_post_constraint;
 use mujoco_engine::{CompiledModel, Data, Model, step};
 
 /// A robot that hops on a floor: its worlds step together.
-const HOPPER: &str = r#"<mujoco>
+pub(super) const HOPPER: &str = r#"<mujoco>
   <worldbody>
     <geom type="plane" size="5 5 1"/>
     <body name="torso" pos="0 0 0.9">
@@ -25,7 +25,7 @@ const HOPPER: &str = r#"<mujoco>
 </mujoco>"#;
 
 /// A pendulum on a ball joint, with an activation: its worlds step one by one.
-const BALL: &str = r#"<mujoco>
+pub(super) const BALL: &str = r#"<mujoco>
   <worldbody>
     <body>
       <joint type="ball"/><geom size="0.1" pos="0.3 0 0"/>

@@ -173,9 +173,8 @@ def record():
     print(json.dumps([mujoco.__version__, plain, rows]))
 
 
-if len(sys.argv) == 1:
-    record()
-else:
+def compare():
+    """Write the fields that all of the Pythons record."""
     versions, before, first = {}, None, {}
     for python in sys.argv[1:]:
         said = subprocess.run([python, __file__], stdout=subprocess.PIPE, check=True).stdout
@@ -187,3 +186,7 @@ else:
     rows = [[place, text] for place, texts in ROWS.items() for text in texts]
     out = {"base": BASE, "rows": rows, "versions": versions}
     Path(__file__).with_suffix(".json").write_text(json.dumps(out, separators=(",", ":")))
+
+
+if __name__ == "__main__":
+    record() if len(sys.argv) == 1 else compare()

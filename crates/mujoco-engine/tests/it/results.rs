@@ -13,15 +13,16 @@ use super::parts;
 
 /// Models of which some version differs, beside those whose steps do.
 const UNLIKE: [&str; 4] = [
-    // external forces on bodies, since 3.17: by a tendon with armature, and by a weld constraint whose torque is scaled
+    // `cfrc_ext` has no forces of the armature of tendons, which it has since 3.17
     "tendon Euler armature=.1",
     "tendon implicit armature=.1",
+    // the last bits of the torque of a weld constraint that scales it differ in `cfrc_ext`
     "equality weld body1=a body2=b torquescale=.3 anchor=.1 0 .1",
     // inverse dynamics of steps of finite length, which the flag asks for, are not supported
     "with invdiscrete=enable",
 ];
 
-/// The line of another model with such a constraint.
+/// The line of another model with such a weld constraint.
 const OTHER_FORCES: usize = 464;
 
 /// The numbers of each group: frames, motion, inertia, forces, contacts, rows of constraints, what is computed on

@@ -8,7 +8,7 @@ use crate::convert::{new_array, numpy, to_python};
 use crate::numbers::Numbers;
 use crate::registry;
 
-/// The keys of a vector with `SameStep` autoreset that precede the keys of the environments.
+/// The keys of a vector with `SameStep` autoreset for environments that ended.
 const FINAL: [&str; 2] = ["final_obs", "final_info"];
 
 /// A key of infos, and the key of its mask.
@@ -49,13 +49,16 @@ pub(crate) fn ordered<'py>(
         dict.set_item(mask, column_to_python(py, column)?)?;
         Ok(2)
     };
+    let ended = infos
+        .contains_key(FINAL[0])
+        .then(|| FINAL.map(|key| Key::new(py, key)));
+    // Gymnasium adds the infos of one environment after the other, and its end before those of its reset
+    let first_end = ended.as_ref().map_or(0, |[key, _]| first(infos, key));
+    let is_before = |key: &&Key| first_end > 0 && first(infos, key) < first_end;
+    let before = order.iter().filter(is_before);
+    let after = order.iter().filter(|key| !is_before(key));
     let mut added = 0;
-    if infos.contains_key(FINAL[0]) {
-        for key in FINAL {
-            added += add(&Key::new(py, key))?;
-        }
-    }
-    for key in order {
+    for key in before.chain(ended.iter().flatten()).chain(after) {
         added += add(key)?;
     }
     if added < infos.len() {
@@ -70,6 +73,15 @@ pub(crate) fn ordered<'py>(
         }
     }
     Ok(())
+}
+
+/// The first environment that has the key, or a number that is larger than any.
+fn first(infos: &Info, key: &Key) -> usize {
+    match infos.get(&key.mask) {
+        Some(Value::Tuple(flags)) => flags.iter().position(|flag| flag.as_bool() == Some(true)),
+        _ => None,
+    }
+    .unwrap_or(usize::MAX)
 }
 
 /// A column of infos with the type of its numbers, or a dict of columns.

@@ -104,3 +104,9 @@ def test_the_first_number_of_a_state_that_is_not_finite_is_named(state: Any, pla
     with pytest.raises(ValueError) as raised:
         state_json(state)
     assert str(raised.value) == f"{place}: every number must be finite"
+
+
+def test_an_iterator_has_at_most_a_million_items() -> None:
+    assert to_json({"rows": range(1_000_000)}).endswith(", 999999]}")
+    with pytest.raises(ValueError, match=r"^rows is range\(0, 1000001\): it must have at most 1000000 items$"):
+        to_json({"rows": range(1_000_001)})

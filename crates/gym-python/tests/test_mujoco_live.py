@@ -159,6 +159,32 @@ def test_a_copy_has_a_model_and_data_of_its_own(way: Callable[[Any], Any]) -> No
     assert not np.array_equal(twin.step(action)[0], results[0])
 
 
+@pytest.mark.parametrize("way", [copy.copy, copy.deepcopy, lambda env: pickle.loads(pickle.dumps(env))])
+@pytest.mark.parametrize("is_handed", [False, True])
+@pytest.mark.parametrize("env_id", ["HalfCheetah-v5", "Humanoid-v4", "Reacher-v5"])
+def test_a_copy_has_the_data_that_was_used(env_id: str, is_handed: bool, way: Callable[[Any], Any]) -> None:
+    env = ours(env_id)
+    env.reset(seed=1)
+    action = actions_of(env, 1)[0]
+    env.step(action)
+    env.data.qvel[:] *= 0.5
+    if is_handed:  # the package of MuJoCo steps from here
+        env.model.opt.gravity[2] = -5.0
+        env.step(action)
+    twin = way(env)
+    for name in ("xpos", "qvel"):
+        assert_same(np.array(getattr(twin.data, name)), np.array(getattr(env.data, name)))
+    for _ in range(3):
+        assert_same(twin.step(action), env.step(action))
+        for one in (twin, env):
+            one.data.qpos[-1] += 0.01
+    assert_same(np.array(twin.data.qpos), np.array(env.data.qpos))
+    restored = ours(env_id)
+    restored.set_state(twin.get_state())
+    assert_same(restored.step(action), env.step(action))
+    assert_same(twin.reset(seed=2), env.reset(seed=2))
+
+
 def test_states_are_of_environments_that_the_same_engine_steps() -> None:
     env, fresh = ours("Hopper-v5"), ours("Hopper-v5")
     for e in (env, fresh):

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import re
 import sys
+from typing import Any
 
 import gymnasium
 import numpy as np
 import pytest
 from conftest import assert_same
-from gymnasium.vector import AutoresetMode
+from gymnasium.vector import AutoresetMode, SyncVectorEnv
 
 import rustgym
 
@@ -294,3 +295,24 @@ def test_infos_of_some_of_the_environments() -> None:
         assert observations[row] == expected[0][index]
         assert np.array_equal(infos["action_mask"][index], expected[4]["action_mask"][index]), index
     assert infos["_action_mask"].tolist() == [False, True, True, True]
+
+
+def order(infos: dict[str, Any]) -> list[Any]:
+    return [(key, order(value)) if isinstance(value, dict) else key for key, value in infos.items()]
+
+
+@pytest.mark.parametrize("mode", AutoresetMode)
+@pytest.mark.parametrize("env_id", ["Taxi-v4", "FrozenLake-v1", "CliffWalking-v1", "Hopper-v5", "Walker2d-v4", "Ant-v5", "Blackjack-v1"])
+def test_infos_are_in_gymnasiums_order(env_id: str, mode: AutoresetMode) -> None:
+    ours = rustgym.VectorEnv(env_id, 4, autoreset_mode=mode)
+    made = [lambda: rustgym.make(env_id, disable_env_checker=True)] * 4
+    theirs = SyncVectorEnv(made, autoreset_mode=mode)
+    ours.action_space.seed(2)
+    assert order(ours.reset(seed=2)[1]) == order(theirs.reset(seed=2)[1])
+    for _ in range(100):
+        actions = ours.action_space.sample()
+        (_, _, ended, late, infos), (*_, expected) = ours.step(actions), theirs.step(actions)
+        assert order(infos) == order(expected)
+        if mode == AutoresetMode.DISABLED and (ended | late).any():
+            over = {"reset_mask": ended | late}
+            assert order(ours.reset(options=dict(over))[1]) == order(theirs.reset(options=dict(over))[1])

@@ -301,7 +301,8 @@ fn sum(texts: &[String]) -> String {
     digest.finish()[..12].to_owned()
 }
 
-fn around_an_environment(inner: &Echo, spec: &WrapperSpec) -> Result<String> {
+/// The spaces around, and sums of them and of all answers.
+fn around_an_environment(inner: &Echo, spec: &WrapperSpec) -> Result<[String; 2]> {
     let mut env = spec.wrap(BoxEnv::new(inner.clone()))?;
     let mut samples = env.action_sampler(7)?;
     let actions: Vec<Value> = (0..14).map(|_| samples.sample()).collect();
@@ -329,14 +330,11 @@ fn around_an_environment(inner: &Echo, spec: &WrapperSpec) -> Result<String> {
     all.extend(later);
     let [observed, taken] = [env.observation_space(), env.action_space()];
     let spaces = [&observed, &taken].map(|space| serde_json::to_string(space).unwrap());
-    Ok(format!(
-        "{observed} {taken} {} {} {kept}",
-        sum(&spaces),
-        sum(&all)
-    ))
+    let sums = format!("{} {} {kept}", sum(&spaces), sum(&all));
+    Ok([format!("{observed} {taken}"), sums])
 }
 
-fn around_a_vector(inner: &Echo, spec: &WrapperSpec, mode: Autoreset) -> Result<String> {
+fn around_a_vector(inner: &Echo, spec: &WrapperSpec, mode: Autoreset) -> Result<[String; 2]> {
     let envs = [3, 5, 4].map(|length| Echo {
         length,
         ..inner.clone()
@@ -374,7 +372,8 @@ fn around_a_vector(inner: &Echo, spec: &WrapperSpec, mode: Autoreset) -> Result<
     let batches = [envs.observation_space()?, envs.action_space()?];
     let spaces = [&observed, &taken, &batches[0], &batches[1]]
         .map(|space| serde_json::to_string(space).unwrap());
-    Ok(format!("{observed} {taken} {} {}", sum(&spaces), sum(&all)))
+    let sums = format!("{} {}", sum(&spaces), sum(&all));
+    Ok([format!("{observed} {taken}"), sums])
 }
 
 #[test]
@@ -402,20 +401,24 @@ fn every_wrapper_makes_of_every_space_what_it_made() {
                     true => Echo::new(&Space::discrete(50), &space, 5),
                     false => Echo::new(&space, &Space::discrete(3), 5),
                 };
-                let mut tell = |what: &str, made: Result<String>| {
-                    let made = made.unwrap_or_else(|error| error.to_string());
-                    writeln!(told, "  {what} {space}: {made}").unwrap();
+                let told_of = |made: Result<_>| {
+                    made.unwrap_or_else(|error| [error.to_string(), String::new()])
                 };
-                tell("", around_an_environment(&inner, &spec));
+                let [spaces, sums] = told_of(around_an_environment(&inner, &spec));
+                write!(told, "  {space}: {spaces} {sums}").unwrap();
                 if wrapper.wraps_vectors() {
                     for mode in [
                         Autoreset::NextStep,
                         Autoreset::SameStep,
                         Autoreset::Disabled,
                     ] {
-                        tell(&format!("{mode:?}"), around_a_vector(&inner, &spec, mode));
+                        let [around, sums] = told_of(around_a_vector(&inner, &spec, mode));
+                        // mostly the spaces, or the refusal, are those of an environment
+                        let around = if around == spaces { "" } else { &around };
+                        write!(told, "; {mode:?} {around} {sums}").unwrap();
                     }
                 }
+                told.push('\n');
             }
         }
     }

@@ -407,6 +407,19 @@ mod tests {
         );
     }
 
+    /// What a browser unpacks begins with gzip's header, and ends with the sum and the length of what was packed.
+    #[test]
+    fn files_are_packed_as_gzip() {
+        let packed = gzip(b"123456789").unwrap();
+        assert_eq!(packed[..3], [0x1f, 0x8b, 8]);
+        let (sum, length) = packed[packed.len() - 8..].split_at(4);
+        // the check value of CRC-32
+        assert_eq!(
+            (sum, length),
+            (&0xcbf4_3926u32.to_le_bytes()[..], &[9, 0, 0, 0][..])
+        );
+    }
+
     #[test]
     fn the_library_of_a_package_has_a_name() {
         let manifest = |path: &str| root().join(path).join("Cargo.toml");

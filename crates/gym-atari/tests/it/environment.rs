@@ -333,101 +333,65 @@ fn steps_allocate_nothing() {
     assert_eq!(allocations.count_total, 0);
 }
 
+/// Each argument that makes no environment is refused with its name, its value and what it may be.
 #[test]
 fn mistakes_are_named() {
-    let refused = |config: Config| {
-        AtariEnv::with_rom(config, &homebrew())
-            .unwrap_err()
-            .to_string()
-    };
-    for (config, expected) in [
+    let cases: [(fn(&mut Config), &str); 12] = [
         (
-            Config {
-                frameskip: Frameskip::Fixed(0),
-                ..Config::default()
-            },
-            "Invalid frameskip of 0",
+            |config| config.frameskip = Frameskip::Fixed(0),
+            "Invalid frameskip of 0, frameskip must be positive.",
         ),
         (
-            Config {
-                frameskip: Frameskip::Range([0, 3]),
-                ..Config::default()
-            },
-            "lower bound must be positive",
+            |config| config.frameskip = Frameskip::Fixed(10_001),
+            "frameskip is 10001: it must be at most 10000",
         ),
         (
-            Config {
-                frameskip: Frameskip::Range([3, 3]),
-                ..Config::default()
-            },
-            "strictly less than upper bound",
+            |config| config.frameskip = Frameskip::Range([0, 3]),
+            "Invalid stochastic frameskip, lower bound must be positive.",
         ),
         (
-            Config {
-                difficulty: Some(9),
-                ..Config::default()
-            },
-            "Invalid difficulty requested",
+            |config| config.frameskip = Frameskip::Range([3, 3]),
+            "Invalid stochastic frameskip, lower bound must be strictly less than upper bound.",
         ),
         (
-            Config {
-                mode: Some(9),
-                ..Config::default()
-            },
-            "Invalid game mode requested",
+            |config| config.frameskip = Frameskip::Range([1, 10_001]),
+            "frameskip is 10001: it must be at most 10000",
         ),
         (
-            Config {
-                sound_obs: true,
-                ..Config::default()
-            },
-            "sound",
+            |config| config.difficulty = Some(9),
+            "Invalid difficulty requested: difficulty is 9, and the difficulties are [0, 1]",
         ),
         (
-            Config {
-                repeat_action_probability: -0.1,
-                ..Config::default()
-            },
-            "it is a probability",
+            |config| config.mode = Some(9),
+            "Invalid game mode requested: mode is 9, and the modes are [0]",
         ),
         (
-            Config {
-                repeat_action_probability: f64::NAN,
-                ..Config::default()
-            },
-            "it is a probability",
+            |config| config.repeat_action_probability = -0.1,
+            "repeat_action_probability is -0.1: it is a probability, 0 to 1",
         ),
         (
-            Config {
-                repeat_action_probability: f64::INFINITY,
-                ..Config::default()
-            },
-            "it is a probability",
+            |config| config.repeat_action_probability = f64::NAN,
+            "repeat_action_probability is NaN: it is a probability, 0 to 1",
         ),
         (
-            Config {
-                continuous_action_threshold: f64::NAN,
-                ..Config::default()
-            },
-            "must be a finite number",
+            |config| config.repeat_action_probability = f64::INFINITY,
+            "repeat_action_probability is inf: it is a probability, 0 to 1",
         ),
         (
-            Config {
-                frameskip: Frameskip::Fixed(10_001),
-                ..Config::default()
-            },
-            "at most 10000",
+            |config| config.continuous_action_threshold = f64::NAN,
+            "continuous_action_threshold is NaN: it must be a finite number",
         ),
         (
-            Config {
-                frameskip: Frameskip::Range([1, 10_001]),
-                ..Config::default()
-            },
-            "at most 10000",
+            |config| config.sound_obs = true,
+            "sound_obs is true: sound is not emulated, so it cannot be observed",
         ),
-    ] {
-        let error = refused(config);
-        assert!(error.contains(expected), "{error}");
+    ];
+    for (set, reason) in cases {
+        let mut config = Config::default();
+        set(&mut config);
+        let error = AtariEnv::with_rom(config, &homebrew()).unwrap_err();
+        let expected = format!("invalid argument for Atari (seaquest): {reason}");
+        assert_eq!(error.to_string(), expected);
     }
     let mut env = env(Config::default());
     assert!(matches!(env.step(&0.into()), Err(Error::ResetNeeded(_))));
@@ -458,6 +422,31 @@ fn missing_and_wrong_roms_are_named() {
     let error = RomDir::new(&folder).rom(game).unwrap_err().to_string();
     assert!(error.contains("longer than 1048576 bytes"), "{error}");
     std::fs::remove_dir_all(&folder).unwrap();
+}
+
+/// A ROM from memory is taken before a folder that is found, and after one that is named. Where folders are found, an
+/// environment variable says, so the test runs itself with it.
+#[test]
+fn a_provided_rom_comes_before_the_folder_that_is_found() {
+    const NOWHERE: &str = "/nowhere/roms";
+    if std::env::var_os(gym_atari::rom::VARIABLE).is_none_or(|path| path != NOWHERE) {
+        let mut again = std::process::Command::new(std::env::current_exe().unwrap());
+        again.env(gym_atari::rom::VARIABLE, NOWHERE);
+        again.args([
+            "--exact",
+            "environment::a_provided_rom_comes_before_the_folder_that_is_found",
+        ]);
+        assert!(again.status().unwrap().success());
+        return;
+    }
+    gym_atari::rom::provide(homebrew());
+    let [seaquest, breakout] = ["seaquest", "breakout"].map(|name| games::by_name(name).unwrap());
+    let found = gym_atari::rom::load(seaquest, None).unwrap();
+    assert_eq!(found.md5(), homebrew().md5());
+    for (game, folder) in [(breakout, None), (seaquest, Some("/nowhere/else".as_ref()))] {
+        let error = gym_atari::rom::load(game, folder).unwrap_err().to_string();
+        assert!(error.contains("/nowhere/"), "{error}");
+    }
 }
 
 /// A pipe would wait for a writer, and a device such as `/dev/zero` never ends.

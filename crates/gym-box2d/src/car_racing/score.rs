@@ -299,27 +299,42 @@ mod tests {
         assert_eq!((*width, &levels[..3]), (13, &[0xa1, 0x7f, 0xff][..]));
     }
 
+    /// The lines and polygons that were drawn, by their left and right ends.
+    #[derive(Default)]
+    struct Drawn(Vec<[f64; 2]>);
+
+    impl Canvas for Drawn {
+        fn clear(&mut self, _: Color) {}
+        fn fill(&mut self, _: gym_core::canvas::Shape<'_>, _: Color) {}
+        fn stroke(&mut self, _: gym_core::canvas::Shape<'_>, _: f64, _: Color) {}
+        fn text(&mut self, _: &str, _: Point, _: f64, _: gym_core::canvas::Align, _: Color) {}
+        fn push(&mut self, _: gym_core::canvas::Transform) {}
+        fn pop(&mut self) {}
+        fn pygame(&mut self, primitive: Primitive<'_>, _: Color) {
+            self.0.push(match primitive {
+                Primitive::HLine { x1, x2, .. } => [x1, x2],
+                Primitive::Polygon([[x1, _], _, [x2, _], _]) => [*x1, *x2],
+                _ => panic!("{primitive:?}"),
+            });
+        }
+    }
+
+    /// A minus sign is one stroke, and the digits have as many as on a pocket calculator.
+    #[test]
+    fn each_character_has_its_strokes() {
+        for (i, strokes) in [6, 2, 5, 5, 4, 5, 6, 3, 7, 6].into_iter().enumerate() {
+            let mut drawn = Drawn::default();
+            draw(&mut drawn, &format!("-{i}"), [60.0, 750.0], None);
+            let left = 60.0 - (ADVANCE + WIDTH) / 2.0;
+            assert_eq!(drawn.0[0], [left, left + WIDTH - 1.0], "the sign of -{i}");
+            let digit = &drawn.0[1..];
+            assert_eq!(digit.len(), strokes, "{i}");
+            assert!(digit.iter().all(|[x, _]| *x >= left + ADVANCE), "{i}");
+        }
+    }
+
     #[test]
     fn text_lies_where_the_font_puts_it() {
-        #[derive(Default)]
-        struct Extent(Option<[f64; 2]>);
-
-        impl Canvas for Extent {
-            fn clear(&mut self, _: Color) {}
-            fn fill(&mut self, _: gym_core::canvas::Shape<'_>, _: Color) {}
-            fn stroke(&mut self, _: gym_core::canvas::Shape<'_>, _: f64, _: Color) {}
-            fn text(&mut self, _: &str, _: Point, _: f64, _: gym_core::canvas::Align, _: Color) {}
-            fn push(&mut self, _: gym_core::canvas::Transform) {}
-            fn pop(&mut self) {}
-            fn pygame(&mut self, primitive: Primitive<'_>, _: Color) {
-                let Primitive::HLine { x1, x2, .. } = primitive else {
-                    panic!("{primitive:?}")
-                };
-                let [low, high] = self.0.unwrap_or([x1, x2]);
-                self.0 = Some([low.min(x1), high.max(x2)]);
-            }
-        }
-
         let glyphs = ScoreGlyphs::parse(&boxes()).unwrap();
         // left end and width, recorded from pygame
         for (text, left, width) in [
@@ -329,10 +344,14 @@ mod tests {
             ("0900", 12, 97),
             ("0117", 18, 85),
         ] {
-            let mut extent = Extent::default();
-            draw(&mut extent, text, [60.0, 750.0], Some(&glyphs));
+            let mut drawn = Drawn::default();
+            draw(&mut drawn, text, [60.0, 750.0], Some(&glyphs));
+            let ends = drawn
+                .0
+                .into_iter()
+                .reduce(|a, b| [a[0].min(b[0]), a[1].max(b[1])]);
             assert_eq!(
-                extent.0,
+                ends,
                 Some([f64::from(left), f64::from(left + width - 1)]),
                 "{text}"
             );

@@ -50,6 +50,7 @@ class Echo(gymnasium.Env):
     def reset(self, *, seed=None, options=None):
         super().reset(seed=seed)
         self.action_space.seed(seed)
+        self.level = seed or 0
         return self.action_space.sample(), {"options": str(options), "object": object(), "seed": seed}
 
     def step(self, action):
@@ -57,7 +58,7 @@ class Echo(gymnasium.Env):
         return action, np.float32(0.5), np.bool_(False), False, {"nested": {"list": [1, 2.5, None]}, "array": np.eye(2), "space": str(self.action_space)}
 
     def render(self):
-        return "a text" if self.render_mode == "ansi" else np.full((4, 6, 3), 9, np.uint8)
+        return "a text" if self.render_mode == "ansi" else np.full((4, 6, 3), self.level, np.uint8)
 
 
 class Bad(gymnasium.Env):

@@ -141,6 +141,7 @@ const WRAPPERS: &[(&str, &[&str])] = &[
             r#"{"bins": 3}"#,
             r#"{"bins": [2, 5], "multidiscrete": true}"#,
             r#"{"bins": 0}"#,
+            r#"{"bins": [3, 1000000000]}"#,
         ],
     ),
     (
@@ -149,6 +150,7 @@ const WRAPPERS: &[(&str, &[&str])] = &[
             r#"{"bins": 3}"#,
             r#"{"bins": [2, 5], "multidiscrete": true}"#,
             r#"{"bins": 1}"#,
+            r#"{"bins": [3, 1000000000]}"#,
         ],
     ),
     (

@@ -17,6 +17,7 @@ mod fields;
 mod fits;
 mod frames;
 mod hfields;
+mod inlined;
 mod iterations;
 mod language;
 mod limits;

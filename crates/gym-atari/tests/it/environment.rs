@@ -336,7 +336,8 @@ fn steps_allocate_nothing() {
 /// Each argument that makes no environment is refused with its name, its value and what it may be.
 #[test]
 fn mistakes_are_named() {
-    let cases: [(fn(&mut Config), &str); 12] = [
+    type Set = fn(&mut Config);
+    let cases: [(Set, &str); 12] = [
         (
             |config| config.frameskip = Frameskip::Fixed(0),
             "Invalid frameskip of 0, frameskip must be positive.",

@@ -37,16 +37,16 @@ fn before() -> Vec<Value> {
 }
 
 /// The typed form of `value`, written over each of `before`.
-fn rewritten<E: Element>(value: E, before: &[Value]) {
+fn rewritten<E: Element>(value: &E, before: &[Value]) {
     let fresh = value.to_value();
-    assert_eq!(E::from_value(&fresh).as_ref(), Some(&value), "{fresh}");
-    assert_eq!(E::with(&fresh, E::clone).as_ref(), Some(&value), "{fresh}");
+    assert_eq!(E::from_value(&fresh).as_ref(), Some(value), "{fresh}");
+    assert_eq!(E::with(&fresh, E::clone).as_ref(), Some(value), "{fresh}");
     for old in before {
         let mut out = old.clone();
         value.write(&mut out);
         assert_eq!(out, fresh, "over {old}");
         let mut out = old.clone();
-        E::fill(&mut out, |element| element.clone_from(&value));
+        E::fill(&mut out, |element| element.clone_from(value));
         assert_eq!(out, fresh, "filled over {old}");
     }
 }
@@ -64,24 +64,24 @@ gym_core::discrete! {
 #[test]
 fn a_typed_element_is_written_over_any_value() {
     let before = before();
-    rewritten(3_i64, &before);
-    rewritten(3_u8, &before);
-    rewritten(3_u32, &before);
-    rewritten(3_usize, &before);
-    rewritten([0.5_f32, 1.0], &before);
-    rewritten([1_i64, 2, 3], &before);
-    rewritten(String::from("now"), &before);
-    rewritten(Way::Down, &before);
+    rewritten(&3_i64, &before);
+    rewritten(&3_u8, &before);
+    rewritten(&3_u32, &before);
+    rewritten(&3_usize, &before);
+    rewritten(&[0.5_f32, 1.0], &before);
+    rewritten(&[1_i64, 2, 3], &before);
+    rewritten(&String::from("now"), &before);
+    rewritten(&Way::Down, &before);
     assert_eq!(Way::space(), Space::discrete(Way::VARIANTS.len() as i64));
-    rewritten((1_i64, [2.0_f64]), &before);
-    rewritten((1_i64, String::from("b"), [3_i8; 3]), &before);
-    rewritten((1_i64, 2_i64, 3_i64, 4_i64), &before);
-    rewritten(Continuous::from([0.5_f32, 1.0]), &before);
-    rewritten(Continuous::from([0.1_f64, 1.0, 2.0]), &before);
+    rewritten(&(1_i64, [2.0_f64]), &before);
+    rewritten(&(1_i64, String::from("b"), [3_i8; 3]), &before);
+    rewritten(&(1_i64, 2_i64, 3_i64, 4_i64), &before);
+    rewritten(&Continuous::from([0.5_f32, 1.0]), &before);
+    rewritten(&Continuous::from([0.1_f64, 1.0, 2.0]), &before);
     for value in &before {
-        rewritten(value.clone(), &before);
+        rewritten(value, &before);
         if let Value::Array(array) = value {
-            rewritten(array.clone(), &before);
+            rewritten(array, &before);
         }
     }
 }

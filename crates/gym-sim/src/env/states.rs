@@ -126,7 +126,7 @@ fn a_given_start_replaces_its_own_part() {
     for parts in [[true, false], [false, true], [true, true]] {
         let start = [0, 1].map(|k| parts[k].then(|| given[k].clone()));
         let mut env = env(&Common::default(), |settings| {
-            settings.start = start.clone()
+            settings.start = start.clone();
         });
         for when in ["at first", "again"] {
             env.reset(1).unwrap();

@@ -415,6 +415,7 @@ impl Data {
         }
         d.contact.clear();
         d.efc.clear();
+        d.work.clear();
         d.solver_niter.clear();
         (d.energy, d.knows_energy) = ([0.0; 2], false);
         if m.plan().sleeps {

@@ -21,16 +21,23 @@ pub(crate) struct Moments {
 }
 
 impl Moments {
-    /// Allocates the rows of all actuators.
+    /// Empty rows of all actuators, with room for the degrees of freedom.
     pub(crate) fn new(m: &Model) -> Self {
-        let mut moments = Self::default();
+        let mut moments = Self {
+            rows: vec![0..0; m.nu()],
+            ..Self::default()
+        };
         if m.plan().transmits {
-            moments.rows.reserve(m.nu());
             moments.columns.reserve(m.nu() * m.nv());
             // the row of an actuator on a body needs twice as many while it is computed
             moments.values.reserve((m.nu() + 1) * m.nv());
         }
         moments
+    }
+
+    /// Empties the rows.
+    pub(crate) fn reset(&mut self) {
+        self.rows.fill(0..0);
     }
 
     fn clear(&mut self) {

@@ -1,4 +1,4 @@
-//! Buffers of a forward call. No value passes from one call to the next.
+//! Buffers of a forward call. No value passes from one call to the next, but from the first half of a step to the second.
 
 use super::collision::Polytope;
 use super::implicit;
@@ -118,7 +118,7 @@ impl Work {
             damper: vec![0.0; nv],
             gravcomp: vec![0.0; nv],
             moments: Moments::new(m),
-            ctrl: Vec::with_capacity(m.nu()),
+            ctrl: vec![0.0; m.nu()],
             tendon_sums: vec![0.0; m.ntendon()],
             act_sum: vec![0.0; m.na()],
             act_start: vec![0.0; m.na()],
@@ -130,6 +130,14 @@ impl Work {
             rates: vec![0.0; nv],
             qpos_start: vec![0.0; m.nq()],
             qvel_start: vec![0.0; nv],
+        }
+    }
+
+    /// Clears what the first half of a step leaves to the second.
+    pub(crate) fn clear(&mut self) {
+        self.moments.reset();
+        for buffer in [&mut self.gravcomp, &mut self.qh, &mut self.qh_diag_inv] {
+            buffer.fill(0.0);
         }
     }
 

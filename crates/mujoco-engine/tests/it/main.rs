@@ -16,6 +16,7 @@ mod digest;
 mod fields;
 mod fits;
 mod frames;
+mod fresh;
 mod hfields;
 mod inlined;
 mod iterations;

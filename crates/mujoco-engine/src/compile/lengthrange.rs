@@ -55,12 +55,15 @@ pub(super) fn add_length_ranges(m: &mut CompiledModel, spec: &Spec) -> Result<()
 
 /// The limit of the joint or tendon of an actuator.
 fn limit(m: &CompiledModel, i: usize) -> Option<[f64; 2]> {
-    let id = usize::try_from(m.actuator_trnid[i][0]).ok()?;
+    let ids = m.actuator_trnid.as_flattened();
+    // earlier versions read the list as if each actuator had one number
+    let place = if m.revision.finds_limits() { 2 * i } else { i };
+    let id = usize::try_from(ids[place]).ok()?;
     match m.actuator_trntype[i] {
         TransmissionType::Joint | TransmissionType::JointInParent => {
-            m.jnt_limited[id].then_some(m.jnt_range[id])
+            m.jnt_limited.get(id)?.then_some(m.jnt_range[id])
         }
-        TransmissionType::Tendon => m.tendon_limited[id].then_some(m.tendon_range[id]),
+        TransmissionType::Tendon => m.tendon_limited.get(id)?.then_some(m.tendon_range[id]),
         _ => None,
     }
 }

@@ -169,7 +169,7 @@ fn constraints(m: &Model, d: &Data) -> Value {
         _ => efc.b.iter().map(|b| u8::from(*b < 0.0)).collect(),
     };
     json!({
-        "efc_pos": efc.pos, "efc_margin": efc.margin, "efc_diagApprox": efc.diag_approx,
+        "efc_pos": efc.pos, "efc_margin": efc.margin, "efc_diagA": efc.diag_approx(),
         "efc_R": efc.r, "efc_D": efc.d, "efc_KBIP": efc.kbip, "efc_vel": efc.vel,
         "efc_aref": efc.aref, "efc_b": efc.b, "efc_force": efc.force, "efc_state": active,
         "efc_J": jacobian, "efc_island": efc.island,

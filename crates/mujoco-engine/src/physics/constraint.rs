@@ -29,9 +29,6 @@ pub struct Constraints {
     pub pos: Vec<f64>,
     /// The constraint acts where `pos` is below this margin.
     pub margin: Vec<f64>,
-    /// Approximate diagonal of `J M^-1 J'`.
-    #[doc(alias = "efc_diagApprox")]
-    pub diag_approx: Vec<f64>,
     /// Regularisation: inverse of `d`.
     pub r: Vec<f64>,
     /// Inverse of the regularisation, the stiffness of the row: MuJoCo's `efc_D`.
@@ -109,7 +106,6 @@ macro_rules! columns {
         [
             &mut $efc.pos,
             &mut $efc.margin,
-            &mut $efc.diag_approx,
             &mut $efc.r,
             &mut $efc.d,
             &mut $efc.vel,
@@ -204,6 +200,16 @@ impl Constraints {
     #[inline]
     pub(crate) fn stride(&self) -> usize {
         self.stride
+    }
+
+    /// The approximate diagonal of `J M^-1 J'`, to which the regularisation corresponds: MuJoCo's
+    /// `efc_diagA`.
+    #[doc(alias = "efc_diagApprox")]
+    #[must_use]
+    pub fn diag_approx(&self) -> Vec<f64> {
+        let rows = self.r.iter().zip(&self.kbip);
+        rows.map(|(r, [_, _, impedance, _])| r * impedance / (1.0 - impedance))
+            .collect()
     }
 
     /// The whole Jacobian, row by row (nefc * nv numbers): MuJoCo's `efc_J`.

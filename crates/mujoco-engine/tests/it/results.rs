@@ -99,6 +99,7 @@ fn results(m: &Model, d: &mut Data, random: &mut RandomState) -> [Vec<f64>; 8] {
         &d.efc.full_jacobian(nv)[..],
         &d.efc.pos,
         &d.efc.margin,
+        &d.efc.diag_approx(),
         &d.efc.r,
         &d.efc.d,
         d.efc.kbip.as_flattened(),

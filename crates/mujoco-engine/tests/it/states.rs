@@ -25,7 +25,7 @@ fn fields(m: &Model, d: &Data) -> Vec<(&'static str, String)> {
         cinert cdof cvel cdof_dot act_dot sensordata energy subtree_linvel subtree_angmom cacc cfrc_int
         actuator_length actuator_velocity ten_j ten_length ten_velocity qfrc_passive qfrc_bias qfrc_actuator qfrc_smooth qacc_smooth qfrc_constraint qfrc_inverse cfrc_ext
         qld_diag_inv actuator_force contact solver_niter;
-        pos margin diag_approx r d kbip vel aref b force loss island nisland
+        pos margin r d kbip vel aref b force loss island nisland
     }
 }
 

@@ -155,11 +155,6 @@ fn elliptic_or_spinning(
         efc.r[row..].fill(r);
         efc.d[row..].fill(1.0 / r);
     }
-    // the diagonal that corresponds to the regularisation
-    for k in row..row + pair.rows {
-        let impedance = efc.kbip[k][2];
-        efc.diag_approx[k] = efc.r[k] * impedance / (1.0 - impedance);
-    }
 }
 
 /// The Jacobian of a contact: the velocity of the second body relative to the first, along the four

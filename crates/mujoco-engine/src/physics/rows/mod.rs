@@ -115,7 +115,6 @@ fn push_rows(
     for (column, value) in [
         (&mut efc.pos, pos),
         (&mut efc.margin, margin),
-        (&mut efc.diag_approx, diag),
         (&mut efc.r, r),
         (&mut efc.d, 1.0 / r),
     ] {

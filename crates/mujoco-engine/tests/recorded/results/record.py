@@ -52,7 +52,7 @@ def results(model, data, random):
         mujoco.mj_contactForce(model, data, number, force)
     touching = data.contact
     yield [touching.dist, touching.pos, touching.frame, touching.includemargin, touching.friction, touching.solref, touching.solimp, touching.mu, touching.dim, touching.geom, touching.efc_address, forces]
-    yield [jacobian(model, data), data.efc_pos, data.efc_margin, data.efc_R, data.efc_D, data.efc_KBIP, data.efc_vel, data.efc_aref, data.efc_b, data.efc_force, data.qfrc_constraint, data.qacc]
+    yield [jacobian(model, data), data.efc_pos, data.efc_margin, data.efc_diagA, data.efc_R, data.efc_D, data.efc_KBIP, data.efc_vel, data.efc_aref, data.efc_b, data.efc_force, data.qfrc_constraint, data.qacc]
     mujoco.mj_rnePostConstraint(model, data)
     mujoco.mj_energyPos(model, data)
     mujoco.mj_energyVel(model, data)

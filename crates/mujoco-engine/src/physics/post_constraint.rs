@@ -5,7 +5,7 @@ use super::contact_force::force_of;
 use super::passive::polynomials::of_tendon;
 use super::passive::tendon_spring_force;
 use super::rows;
-use super::tendon::{along_path, pulling};
+use super::tendon::{along_path, change, pulling};
 use super::velocity::{along, dofs};
 use crate::math::spatial::{
     Vec3, add_to, cross, cross_force, join, mul_inertia, rotate_back, scale, sub,
@@ -117,7 +117,7 @@ fn tendons(m: &Model, d: &mut Data) {
         if m.plan().paths.fixed[t] {
             continue;
         }
-        let tension = tension(m, d, t);
+        let tension = tension(m, d, t) - inertia(m, d, t);
         along_path(m, d, t, |d, segment| {
             let force = scale(segment.direction(), tension / segment.divisor);
             for (k, sign) in [(0, -1.0), (1, 1.0)] {
@@ -175,6 +175,21 @@ fn tension(m: &Model, d: &Data, tendon: usize) -> f64 {
         }
         None => sum,
     }
+}
+
+/// The force that accelerates the inertia along a spatial tendon.
+fn inertia(m: &Model, d: &mut Data, tendon: usize) -> f64 {
+    let armature = m.tendon_armature[tendon];
+    if armature == 0.0 {
+        return 0.0;
+    }
+    let mut acceleration = change(m, d, tendon);
+    let paths = &m.plan().paths;
+    let row = paths.rows[tendon].clone();
+    for (&dof, arm) in paths.columns[row.clone()].iter().zip(&d.ten_j[row]) {
+        acceleration += arm * d.qacc[dof];
+    }
+    armature * acceleration
 }
 
 /// Computes the forces between bodies and their parents.

@@ -53,11 +53,7 @@ pub(super) fn add_bias(m: &Model, d: &mut Data, forces: &mut [f64]) {
         if armature == 0.0 || m.plan().paths.fixed[t] {
             continue;
         }
-        let mut change = 0.0;
-        along_path(m, d, t, |d, segment| {
-            add_change(m, d, &segment, &mut change);
-        });
-        let factor = armature * change;
+        let factor = armature * change(m, d, t);
         if factor != 0.0 {
             let paths = &m.plan().paths;
             let row = paths.rows[t].clone();
@@ -68,7 +64,16 @@ pub(super) fn add_bias(m: &Model, d: &mut Data, forces: &mut [f64]) {
     }
 }
 
-/// Adds the change of a segment's Jacobian per second, times the velocity: MuJoCo's `mj_tendonDot`.
+/// The change of a spatial tendon's Jacobian per second, times the velocity: MuJoCo's `mj_tendonDot`.
+pub(super) fn change(m: &Model, d: &mut Data, t: usize) -> f64 {
+    let mut change = 0.0;
+    along_path(m, d, t, |d, segment| {
+        add_change(m, d, &segment, &mut change);
+    });
+    change
+}
+
+/// Adds the change of a segment's Jacobian per second, times the velocity.
 fn add_change(m: &Model, d: &Data, segment: &Segment, sum: &mut f64) {
     let [(first, start), (second, end)] = segment.ends;
     let velocity = |body: usize, point: Vec3| {

@@ -85,9 +85,9 @@ pub(in crate::physics) fn weld_torque(
 fn turned_back<O: Order>(m: &Model, d: &Data, constraint: &Equality, rows: Vec3) -> Vec3 {
     let (ahead, back) = orientations::<O>(m, d, constraint);
     let half = 0.5 * m.eq_data[constraint.id][10];
-    let turned = mul_quat_axis::<O>(inverse(back), rows.map(|x| half * x));
+    let turned = mul_quat_axis::<O>(inverse(back), rows);
     let [_, x, y, z] = O::mul_quat(turned, inverse(ahead));
-    [x, y, z]
+    [x, y, z].map(|x| half * x)
 }
 
 fn bodies<O: Order>(m: &Model, d: &mut Data, constraint: &Equality) {

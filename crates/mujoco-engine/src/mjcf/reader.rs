@@ -12,7 +12,7 @@ use super::spec::{
 };
 use super::xml::Element;
 use super::{MOST, MOST_KEYS};
-use crate::model::{Cone, Disable, Integrator, SensorType, Solver};
+use crate::model::{Cone, Disable, Integrator, Options, SensorType, Solver};
 use crate::{Result, Revision};
 
 const SECTIONS: [&str; 15] = [
@@ -210,8 +210,11 @@ impl<'a, 'input> Reader<'a, 'input> {
             ("island", Disable::Island),
             ("multiccd", Disable::MultiCcd),
         ];
-        /// MuJoCo's `mjENBL_ENERGY`.
-        const ENERGY: u32 = 1 << 1;
+        const ENABLES: [(&str, u32); 3] = [
+            ("energy", Options::ENERGY),
+            ("fwdinv", 0), // only affects comparisons
+            ("invdiscrete", Options::INVDISCRETE),
+        ];
         let words = [("disable", false), ("enable", true)];
         let option = &mut self.spec.option;
         for (name, part) in DISABLES {
@@ -221,14 +224,12 @@ impl<'a, 'input> Reader<'a, 'input> {
                 None => {}
             }
         }
-        match element.keyword("energy", &words)? {
-            Some(true) => option.enableflags |= ENERGY,
-            Some(false) => option.enableflags &= !ENERGY,
-            None => {}
-        }
-        // these flags only affect comparisons and inverse dynamics
-        for name in ["fwdinv", "invdiscrete"] {
-            element.keyword(name, &words)?;
+        for (name, part) in ENABLES {
+            match element.keyword(name, &words)? {
+                Some(true) => option.enableflags |= part,
+                Some(false) => option.enableflags &= !part,
+                None => {}
+            }
         }
         if let Some(enabled) = element.keyword("sleep", &words)? {
             self.spec.sleep = enabled.then(|| element.place());

@@ -225,7 +225,7 @@ impl Plan {
             gravcomp: !off(Disable::Gravity)
                 && m.opt.gravity != [0.0; 3]
                 && m.body_gravcomp.iter().any(|part| *part != 0.0),
-            measures: m.nsensor() > 0 || m.opt.enableflags & !super::Options::SLEEP != 0,
+            measures: m.nsensor() > 0 || m.opt.enables(super::Options::ENERGY),
             internal: m
                 .sensor_type
                 .iter()

@@ -88,13 +88,22 @@ impl Default for Options {
 }
 
 impl Options {
+    /// MuJoCo's `mjENBL_ENERGY`.
+    pub(crate) const ENERGY: u32 = 1 << 1;
+    /// MuJoCo's `mjENBL_INVDISCRETE`.
+    pub(crate) const INVDISCRETE: u32 = 1 << 3;
     /// MuJoCo's `mjENBL_SLEEP`.
     pub(crate) const SLEEP: u32 = 1 << 4;
 
     /// Whether trees of bodies may fall asleep.
     #[must_use]
     pub fn sleeps(&self) -> bool {
-        self.enableflags & Self::SLEEP != 0
+        self.enables(Self::SLEEP)
+    }
+
+    /// Whether a part is enabled, given by its bit.
+    pub(crate) fn enables(&self, part: u32) -> bool {
+        self.enableflags & part != 0
     }
 }
 

@@ -67,6 +67,13 @@ fn general(m: &Model, d: &mut Data) {
     joints(m, d);
 }
 
+/// Clamps the controls that implicit integrators read.
+pub(super) fn clamp_controls(m: &Model, d: &mut Data) {
+    let mut ctrl = std::mem::take(&mut d.work.ctrl);
+    controls(m, d, &mut ctrl);
+    d.work.ctrl = ctrl;
+}
+
 /// Clamps controls to their ranges. If a control is NaN, or exceeds `MAXVAL` after the clamp, all
 /// controls are zero.
 fn controls(m: &Model, d: &Data, ctrl: &mut Vec<f64>) {

@@ -5,7 +5,7 @@ use super::passive::{polynomials, stretch};
 use super::sleep;
 use crate::math::dense::dot_slices;
 use crate::math::spatial::{InTurn, Order, Pairwise, Vec3, dot, norm, sub};
-use crate::model::{Disable, JointType};
+use crate::model::{Disable, JointType, Options};
 use crate::{Data, Model};
 
 /// The potential energy of gravity and springs: MuJoCo's `mj_energyPos`.
@@ -78,9 +78,7 @@ pub fn energy(m: &Model, d: &mut Data) -> [f64; 2] {
 
 /// Whether the model asks for its energy.
 pub(super) fn computed(m: &Model) -> bool {
-    /// MuJoCo's `mjENBL_ENERGY`.
-    const ENERGY: u32 = 1 << 1;
-    m.opt.enableflags & ENERGY != 0
+    m.opt.enables(Options::ENERGY)
 }
 
 /// Computes `energy`, if the model asks for it.

@@ -5,6 +5,7 @@
 use std::ops::Range;
 
 use super::implicit::Mat6;
+use crate::math::dense::dot_slices;
 use crate::math::spatial::{
     MINVAL, Mat3, Vec3, Vec6, column, cross, dot, rotate, rotate_back, sub,
 };
@@ -50,8 +51,24 @@ impl Free {
         }
     }
 
-    /// Solves the equations for the forces `acc_sum`: MuJoCo's `mjd_freeMhat`.
+    /// Solves the equations for the forces `acc_sum`.
     pub(super) fn solve(&mut self, m: &Model, d: &Data) {
+        let mut x = [0.0; 6];
+        x.copy_from_slice(&d.work.acc_sum[self.dofs.clone()]);
+        self.solution = eliminate(self.matrix(m, d), x);
+    }
+
+    /// Writes the forces of the accelerations `x`.
+    pub(super) fn multiply(&self, m: &Model, d: &Data, x: &[f64], forces: &mut [f64]) {
+        let own = &x[self.dofs.clone()];
+        let rows = self.matrix(m, d);
+        for (force, row) in forces[self.dofs.clone()].iter_mut().zip(&rows) {
+            *force = dot_slices(row, own);
+        }
+    }
+
+    /// The matrix of the equations: MuJoCo's `mjd_freeMhat`.
+    fn matrix(&self, m: &Model, d: &Data) -> Mat6 {
         let (plan, h, first) = (m.plan(), m.opt.timestep, self.dofs.start);
         let mut a: Mat6 = [[0.0; 6]; 6];
         let rows = self.dofs.clone().map(|dof| plan.m_row(dof));
@@ -73,9 +90,7 @@ impl Free {
                 a[3 + r][3 + c] += h * turning;
             }
         }
-        let mut x = [0.0; 6];
-        x.copy_from_slice(&d.work.acc_sum[self.dofs.clone()]);
-        self.solution = eliminate(a, x);
+        a
     }
 
     /// Writes the accelerations.

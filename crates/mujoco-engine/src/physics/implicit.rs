@@ -2,22 +2,28 @@
 
 use super::actuation::{disabled, next};
 use super::free::Free;
-use super::inertia::{factor_damped, solve as solve_m};
+use super::inertia::{self, factor_damped, solve as solve_m};
 use super::passive::polynomials;
 use super::tendon::pulling;
 use super::velocity::joints;
 use super::{fluid_slopes, muscle};
-use crate::math::dense::dot_sparse;
+use crate::math::dense::{self, dot_sparse};
 use crate::math::spatial::{Vec6, dot6, mul_inertia};
 use crate::model::{BiasType, Disable, GainType, Integrator, JointType, TransmissionType};
 use crate::{Data, Model};
 
 pub(super) type Mat6 = [[f64; 6]; 6];
 
-/// Computes and factors `M - dt * d(force)/d(velocity)` for `implicitfast`, which leaves out the
-/// derivatives of Coriolis and centrifugal forces.
+/// Computes and factors the matrix of `implicitfast`.
 #[inline(never)]
 pub(super) fn factor(m: &Model, d: &mut Data) {
+    assemble_fast(m, d);
+    factor_damped(m, d);
+}
+
+/// Computes `M - dt * d(force)/d(velocity)` for `implicitfast`, which leaves out the derivatives of
+/// Coriolis and centrifugal forces.
+fn assemble_fast(m: &Model, d: &mut Data) {
     let mut slopes = std::mem::take(&mut d.work.qh);
     slopes.clear();
     slopes.resize(d.qm.len(), 0.0);
@@ -39,7 +45,6 @@ pub(super) fn factor(m: &Model, d: &mut Data) {
         *slope = inertia + *slope * -m.opt.timestep;
     }
     (d.work.qh, d.work.implicit) = (slopes, buffers);
-    factor_damped(m, d);
 }
 
 /// Replaces the forces `acc_sum` by the accelerations of `implicitfast`. For bodies with a free
@@ -119,9 +124,38 @@ impl Buffers {
     }
 }
 
+/// The product of the matrix of the integrator, `implicit` or `implicitfast`, with the accelerations
+/// `x`.
+pub(super) fn multiply(m: &Model, d: &mut Data, x: &[f64]) -> Vec<f64> {
+    let n = m.nv();
+    let mut forces = vec![0.0; n];
+    if m.opt.integrator == Integrator::ImplicitFast {
+        assemble_fast(m, d);
+        inertia::multiply(m, &d.work.qh, &mut d.work.way, x, &mut forces);
+        for free in &d.work.implicit.free {
+            free.multiply(m, d, x, &mut forces);
+        }
+        return forces;
+    }
+    let mut b = std::mem::take(&mut d.work.implicit);
+    assemble(m, d, &mut b);
+    for ((force, columns), row) in forces.iter_mut().zip(&b.columns).zip(b.lu.chunks(n)) {
+        *force = dense::dot_at(row, x, columns);
+    }
+    d.work.implicit = b;
+    forces
+}
+
 /// Replaces the forces `x` by the accelerations of `implicit`: MuJoCo's `mj_implicitSkip`.
 #[inline(never)]
 pub(super) fn solve(m: &Model, d: &Data, b: &mut Buffers, x: &mut [f64]) {
+    assemble(m, d, b);
+    factor_lu(&mut b.lu, &b.columns);
+    solve_lu(&b.lu, &b.columns, &mut b.part, x);
+}
+
+/// Computes `M - dt * d(force)/d(velocity)`.
+fn assemble(m: &Model, d: &Data, b: &mut Buffers) {
     let n = m.nv();
     b.slopes.fill(0.0);
     let (slopes, jac) = (&mut b.slopes, &mut b.jac);
@@ -139,8 +173,6 @@ pub(super) fn solve(m: &Model, d: &Data, b: &mut Buffers, x: &mut [f64]) {
     for (lu, slope) in b.lu.iter_mut().zip(&b.slopes) {
         *lu += slope * -m.opt.timestep;
     }
-    factor_lu(&mut b.lu, &b.columns);
-    solve_lu(&b.lu, &b.columns, &mut b.part, x);
 }
 
 /// Whether degree of freedom `i` is an ancestor of `j`, or the reverse.

@@ -125,7 +125,7 @@ use serde::{Deserialize, Serialize};
 use crate::Model;
 use crate::math::MAXVAL;
 use crate::math::libm::wide;
-use crate::model::{Integrator, Stage};
+use crate::model::{Integrator, Options, Stage};
 
 /// The functions that compute everything that follows from a state.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -202,6 +202,9 @@ pub fn step1(m: &Model, d: &mut Data) {
 /// The second half of a step, after [`step1`]: MuJoCo's `mj_step2`. As in MuJoCo, it uses Euler's
 /// method in place of RK4.
 ///
+/// If nothing was computed before, inertia and moment arms are zero, as in MuJoCo, and so are all
+/// accelerations.
+///
 /// # Panics
 /// If the data is of another model.
 pub fn step2(m: &Model, d: &mut Data) {
@@ -252,11 +255,25 @@ pub fn forward_without_actuators(m: &Model, d: &mut Data) {
 
 /// Computes `qfrc_inverse`, the forces that cause the accelerations `qacc`: MuJoCo's `mj_inverse`.
 ///
+/// With the flag `invdiscrete`, `qacc` is the change of the velocity by a timestep, divided by the
+/// timestep; except for the integrator RK4, for which the flag has no effect.
+///
 /// # Panics
 /// If the data is of another model.
 pub fn inverse(m: &Model, d: &mut Data) {
     d.begin_call(m, Call::Inverse);
     first_stages(m, d);
+    if m.opt.enables(Options::INVDISCRETE) {
+        let given = d.qacc.clone();
+        inverse::make_continuous(m, d);
+        finish_inverse(m, d);
+        d.qacc = given;
+    } else {
+        finish_inverse(m, d);
+    }
+}
+
+fn finish_inverse(m: &Model, d: &mut Data) {
     inverse::forces(m, d);
     measure(m, d, &ALL);
 }

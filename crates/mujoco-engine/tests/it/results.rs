@@ -11,12 +11,6 @@ use mujoco_engine::{Data, Model, forward, step};
 use super::digest::{self, Digest};
 use super::parts;
 
-/// Models of which some version differs, beside those whose steps do.
-const UNLIKE: [&str; 1] = [
-    // inverse dynamics of steps of finite length, which the flag asks for, are not supported
-    "with invdiscrete=enable",
-];
-
 /// The numbers of each group: frames, motion, inertia, forces, contacts, rows of constraints, what is computed on
 /// demand, and inverse dynamics.
 fn results(m: &Model, d: &mut Data, random: &mut RandomState) -> [Vec<f64>; 8] {
@@ -176,9 +170,6 @@ fn all_results_are_those_of_libmujoco() {
         ("4.0", include_str!("../recorded/results/4.0.txt")),
     ];
     let mut unlike = digest::unlike(&models(), recordings, digest);
-    unlike.retain(|one| {
-        let steps = parts::UNLIKE.contains(&(one.version, &one.name));
-        !steps && !UNLIKE.contains(&&*one.name)
-    });
+    unlike.retain(|one| !parts::UNLIKE.contains(&(one.version, &one.name)));
     assert!(unlike.is_empty(), "{unlike:#?}");
 }

@@ -124,6 +124,8 @@ changes! {
     /// Runge and Kutta's stages turn the velocities of free and ball joints into the frame of the
     /// start.
     turns_by_stages since V4_0;
+    /// Inverse dynamics of Euler's timesteps leave out the damping of joints if dampers are disabled.
+    leaves_out_disabled_dampers since V4_0;
     /// Implicit integrators derive the forces at the clamped controls.
     derives_at_clamped_controls since V3_17;
     /// Implicit integrators derive no force that the range of its joint or tendon clamps.

@@ -221,8 +221,20 @@ def compiled():
     yield model("height field", base='<geom type="hfield" hfield="h"/>' + bodies, more=field)
 
 
+def discrete():
+    dampers = '<actuator><position joint="hinge" kp="3" kv=".2"/><intvelocity joint="slide" kp="5" kv=".3" actrange="-1 1"/></actuator>'
+    low = LOW.replace('damping=".3"', 'damping=".3 .1 .2"')
+    for option in ('integrator="Euler"', 'integrator="implicit" density="800"', 'integrator="implicitfast" density="800"'):
+        for flag in ("", 'eulerdamp="disable"', 'damper="disable"'):
+            yield model(f"discrete {option[12:-1]} {flag}".replace('"', ""), option=option, flag=f'invdiscrete="enable" {flag}', base=low, more=dampers + '<sensor><accelerometer site="sa"/></sensor>')
+    paths = '<spatial name="t" armature=".13" {}><site site="s0"/><site site="s2"/><pulley divisor="2"/><site site="sa"/><site site="s1"/></spatial><fixed name="f" armature=".2"><joint joint="slide" coef="2"/></fixed>'
+    for own in ("", 'stiffness="9" springlength=".1" damping="2" frictionloss=".3" range=".1 .2"'):
+        for more in ("", '<equality><tendon tendon1="t" tendon2="f" polycoef=".1 1 .2 .1 .3"/></equality><actuator><motor tendon="t"/><position tendon="t" kp="3" kv=".1"/></actuator>'):
+            yield model(f"inertia of a tendon {len(own)} {len(more)}", more=f"<tendon>{paths.format(own)}</tendon>{more}")
+
+
 def draw():
-    for part in (frame_sensors, other_sensors, actuators, tendons, forces, compiled):
+    for part in (frame_sensors, other_sensors, actuators, tendons, forces, compiled, discrete):
         yield from part()
 
 

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import os
+import sys
 import warnings
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
@@ -29,6 +31,14 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
         params = item.callspec.params if hasattr(item, "callspec") else {}
         if str(params.get("env_id")).startswith(("Pusher", "Reacher", "Swimmer")):
             item.add_marker(pytest.mark.skip(reason="numpy's norms round otherwise on this CPU"))
+
+
+@pytest.fixture
+def without_mujoco(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
+    """The package of MuJoCo cannot be imported. What was looked up without it is forgotten afterwards."""
+    monkeypatch.setitem(sys.modules, "mujoco", None)
+    yield
+    rustgym._opened.package_of.cache_clear()
 
 
 def is_complete(env_id: str) -> bool:

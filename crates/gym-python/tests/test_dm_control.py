@@ -2,7 +2,6 @@
 
 import copy
 import pickle
-import sys
 from functools import partial
 
 import gymnasium
@@ -20,8 +19,7 @@ def made(env_id, **kwargs):
 
 
 @pytest.mark.parametrize("env_id", TASKS)
-def test_data_is_read_and_written_without_mujoco(env_id, monkeypatch):
-    monkeypatch.setitem(sys.modules, "mujoco", None)
+def test_data_is_read_and_written_without_mujoco(env_id, without_mujoco):
     env, twin = made(env_id), made(env_id)
     for e in (env, twin):
         e.reset(seed=1)

@@ -18,11 +18,6 @@ def made(env_id, **kwargs):
     return rustgym.make(env_id, disable_env_checker=True, **kwargs).unwrapped
 
 
-@pytest.fixture
-def without_mujoco(monkeypatch):
-    monkeypatch.setitem(sys.modules, "mujoco", None)
-
-
 @pytest.mark.parametrize("env_id", TASKS)
 def test_every_task_can_be_read_without_mujoco(env_id, without_mujoco):
     env = made(env_id)

@@ -401,7 +401,7 @@ pub(crate) fn inertia_at<N: Number>(
 }
 
 /// The motion `v` about another reference point: MuJoCo's `mju_transformSpatial`.
-#[inline]
+#[inline(always)]
 pub(crate) fn transform_motion<N: Number>(v: &[N; 6], to: [N; 3], from: [N; 3]) -> [N; 6] {
     let across = cross(sub(to, from), rotation(v));
     join(rotation(v), sub(translation(v), across))

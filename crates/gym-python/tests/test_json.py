@@ -57,7 +57,6 @@ class Thing:
         (("a", None), ["a", None]),
         ([[1, 2], [3]], [[1, 2], [3]]),
     ],
-    ids=repr,
 )
 def test_a_value_is_sent_as_plain_json(value: Any, expected: Any) -> None:
     assert json.loads(to_json({"value": value, "second": 1})) == {"value": expected, "second": 1}

@@ -52,7 +52,7 @@ pub(crate) fn ordered<'py>(
     let ended = infos
         .contains_key(FINAL[0])
         .then(|| FINAL.map(|key| Key::new(py, key)));
-    // Gymnasium adds the infos of one environment after the other, and its end before those of its reset
+    // Gymnasium adds the infos of one environment after another, and those of its end before those of its reset
     let first_end = ended.as_ref().map_or(0, |[key, _]| first(infos, key));
     let is_before = |key: &&Key| first_end > 0 && first(infos, key) < first_end;
     let before = order.iter().filter(is_before);

@@ -14,7 +14,7 @@ fn good_policies_act_as_kept() {
     let mut told = String::new();
     for entry in registry::self_contained() {
         let id = entry.id();
-        // another engine's numbers are those of its version
+        // the numbers of rapier2d change with its version
         let Some(policy) = entry.page.policy.filter(|_| !id.starts_with("rapier/")) else {
             continue;
         };

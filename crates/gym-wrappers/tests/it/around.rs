@@ -415,7 +415,7 @@ fn every_wrapper_makes_of_every_space_what_it_made() {
                         Autoreset::Disabled,
                     ] {
                         let [around, sums] = told_of(around_a_vector(&inner, &spec, mode));
-                        // mostly the spaces, or the refusal, are those of an environment
+                        // a vector mostly has the spaces, or the refusal, of the environment
                         let around = if around == spaces { "" } else { &around };
                         write!(told, "; {mode:?} {around} {sums}").unwrap();
                     }

@@ -61,20 +61,15 @@ pub(crate) fn com_pos_of<N: Number>(
         let (sum, mut part) = (get::<N, 3>(at, &com[parent]), get::<N, 3>(at, &com[b]));
         if asleep(b) && !asleep(parent) {
             // of what sleeps, MuJoCo keeps the centre, not the moment
-            part = scale(
-                centre::<N>(bodies[b].inverse_mass, at, &xipos[b], part),
-                m.body_subtreemass[b],
-            );
+            let centre = centre::<N>(bodies[b].inverse_mass, at, &xipos[b], part);
+            part = scale(centre, m.body_subtreemass[b]);
         }
         put(at, add(sum, part), &mut com[parent]);
     }
     for b in 0..n {
         let body = &bodies[b];
-        put(
-            at,
-            centre::<N>(body.inverse_mass, at, &xipos[b], get(at, &com[b])),
-            &mut com[b],
-        );
+        let centre = centre::<N>(body.inverse_mass, at, &xipos[b], get(at, &com[b]));
+        put(at, centre, &mut com[b]);
         if b > 0 {
             let offset = sub(get::<N, 3>(at, &xipos[b]), get(at, &com[body.root]));
             let mat = get(at, &ximat[b]);

@@ -1,4 +1,5 @@
-//! Buffers of a forward call. No value passes from one call to the next, but from the first half of a step to the second.
+//! Buffers of a forward call. No value passes from one call to the next, except from the first
+//! half of a step to the second.
 
 use super::collision::Polytope;
 use super::implicit;

@@ -1,4 +1,4 @@
-//! What many numbers come to, in one word, and the comparison of such words with those of libmujoco.
+//! A digest of many numbers, and the comparison of digests with those of libmujoco.
 
 use std::fmt;
 

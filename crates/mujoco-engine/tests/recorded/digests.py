@@ -44,7 +44,11 @@ def of_steps(text, steps, start, drive):
 
 def of_lines(models, digest):
     """Prints the digest of each line of a file."""
+    of_texts(pathlib.Path(models).read_text().splitlines(), digest)
+
+
+def of_texts(texts, digest):
+    """Prints the digest of each text."""
     with tempfile.TemporaryDirectory() as folder:
-        lines = pathlib.Path(models).read_text().splitlines()
         os.chdir(folder)  # MuJoCo writes its warnings to the current folder
-        print(*map(digest, lines), sep="\n")
+        print(*map(digest, texts), sep="\n")

@@ -26,7 +26,7 @@ changes! {
     /// The rotations to principal axes come from half the tangent, and end by the size of what is
     /// left. (3.14)
     turns_by_half_tangent since V3_17;
-    /// The limits that are ranges of actuators' lengths are those of their own joints and tendons.
+    /// With `uselimit`, the range of an actuator's length is the limit of its own joint or tendon.
     finds_limits since V4_0;
     /// An actuator takes parameters only from classes of its own or a fitting kind.
     classes_by_kind since V3_17;

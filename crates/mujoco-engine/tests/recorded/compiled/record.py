@@ -7,18 +7,16 @@ A line has the digest of one of the models of `parts` and `random`: of the field
 which stand for nothing; `-` if MuJoCo refuses the model. Fields are those that `fields.json` has, except for `LEFT_OUT`.
 """
 import json
-import os
 import pathlib
 import sys
-import tempfile
 
 import mujoco
 
 FOLDER = pathlib.Path(__file__).resolve().parent
 sys.path[:0] = [str(FOLDER.parent), str(FOLDER.parent / "parts")]
-from digests import added, of_numbers
+from digests import added, of_numbers, of_texts
 from fields import fields
-from record import LOW, WORLD
+from record import models
 
 # flags that have no effect here, numbers of constraints that nothing reads, and boxes that only meshes need
 LEFT_OUT = {"opt.enableflags", "eq_data", "geom_aabb"}
@@ -38,13 +36,5 @@ def digest(text):
     return f"{digest:016x}"
 
 
-def main():
-    parts, random = ((FOLDER.parent / name / "models.txt").read_text().splitlines() for name in ("parts", "random"))
-    lines = [text.replace("@low", LOW).replace("@", WORLD) for text in parts] + random
-    with tempfile.TemporaryDirectory() as folder:
-        os.chdir(folder)  # MuJoCo writes its warnings to the current folder
-        print(*map(digest, lines), sep="\n")
-
-
 if __name__ == "__main__":
-    main()
+    of_texts(models("random"), digest)

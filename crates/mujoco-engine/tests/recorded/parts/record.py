@@ -12,7 +12,7 @@ import sys
 
 FOLDER = pathlib.Path(__file__).resolve().parent
 sys.path.insert(0, str(FOLDER.parent))
-from digests import of_lines, of_steps
+from digests import of_steps, of_texts
 
 STEPS = 20
 
@@ -238,6 +238,13 @@ def draw():
         yield from part()
 
 
+def models(*others):
+    """The models of ``models.txt``, and of the files of this name in other folders."""
+    files = [FOLDER.parent / name / "models.txt" for name in (FOLDER.name, *others)]
+    lines = [line for file in files for line in file.read_text().splitlines()]
+    return [line.replace("@low", LOW).replace("@", WORLD) for line in lines]
+
+
 def start(model, data, random):
     data.qvel[:] = random.uniform(-1, 1, model.nv)
 
@@ -250,8 +257,7 @@ def main():
     if "--models" in sys.argv:
         print(*(text.replace(WORLD, "@").replace(LOW, "@low") for text in draw()), sep="\n")
     else:
-        whole = lambda text: text.replace("@low", LOW).replace("@", WORLD)
-        of_lines(FOLDER / "models.txt", lambda text: of_steps(whole(text), STEPS, start, drive))
+        of_texts(models(), lambda text: of_steps(text, STEPS, start, drive))
 
 
 if __name__ == "__main__":

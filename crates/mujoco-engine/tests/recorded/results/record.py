@@ -6,19 +6,17 @@
 A line has the digests of the groups of results of one of the models of `parts` and `random`, in the order of `results`, after three steps from
 random velocities under random controls, with random forces on joints and bodies; `-` if MuJoCo refuses the model or its motion diverges.
 """
-import os
 import pathlib
 import sys
-import tempfile
 
 import mujoco
 import numpy as np
 
 FOLDER = pathlib.Path(__file__).resolve().parent
 sys.path[:0] = [str(FOLDER.parent), str(FOLDER.parent / "parts"), str(FOLDER.parents[4] / "tests/peers")]
-from digests import of_numbers
+from digests import of_numbers, of_texts
 from random_models import is_calm
-from record import LOW, WORLD
+from record import models
 
 STEPS = 3
 
@@ -88,13 +86,5 @@ def digest(text):
     return " ".join(f"{(digest ^ digest >> 32) % 2**32:08x}" for digest in groups) if is_calm(data) else "-"
 
 
-def main():
-    parts, random = ((FOLDER.parent / name / "models.txt").read_text().splitlines() for name in ("parts", "random"))
-    lines = [text.replace("@low", LOW).replace("@", WORLD) for text in parts] + random
-    with tempfile.TemporaryDirectory() as folder:
-        os.chdir(folder)  # MuJoCo writes its warnings to the current folder
-        print(*map(digest, lines), sep="\n")
-
-
 if __name__ == "__main__":
-    main()
+    of_texts(models("random"), digest)

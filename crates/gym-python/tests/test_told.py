@@ -73,6 +73,11 @@ TOLD: list[tuple[Callable[[], Any], type[Exception], str]] = [
         ValueError,
         "np_random must be a generator on PCG64, not MT19937: np.random.default_rng(seed) makes one",
     ),
+    (
+        put(lambda: begun("CartPole-v1"), "np_random", 3),
+        ValueError,
+        "np_random must be a generator on PCG64, not int: np.random.default_rng(seed) makes one",
+    ),
     (lambda: begun("CartPole-v1").nothing, AttributeError, "'CartPoleEnv' object has no attribute 'nothing'"),
     (
         lambda: begun("CartPole-v1", render_mode="ansi").render(),

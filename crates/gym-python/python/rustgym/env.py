@@ -401,8 +401,9 @@ class Env(gymnasium.Env[Any, Any], metaclass=_Kind):
             self._generator = None
             self._watch()
             return
-        if self._native is not None and not isinstance(generator.bit_generator, np.random.PCG64):
-            kind = type(generator.bit_generator).__name__
+        bits = getattr(generator, "bit_generator", generator)
+        if self._native is not None and not isinstance(bits, np.random.PCG64):
+            kind = type(bits).__name__
             raise ValueError(
                 f"np_random must be a generator on PCG64, not {kind}: np.random.default_rng(seed) makes one"
             )

@@ -38,11 +38,12 @@ def both(
     """Compares our environment with Gymnasium's after the same change and the same actions."""
     results = []
     for module in (rustgym, gymnasium):
-        env = module.make(env_id, disable_env_checker=True, **kwargs)
+        # (`copy.copy` of a wrapper copies the wrapper alone)
+        env = module.make(env_id, disable_env_checker=True, **kwargs).unwrapped
         if before_reset is not None:
-            before_reset(env.unwrapped)
+            before_reset(env)
         first = env.reset(seed=3)[0]
-        change(env.unwrapped)
+        change(env)
         results.append([first, *play(WAYS[way](env) if module is rustgym else env, actions)])
     assert_same(*results)
 
@@ -78,52 +79,78 @@ def put_in(name: str, index: Any, value: Any) -> Change:
     return lambda env: getattr(env, name).__setitem__(index, value)
 
 
+CHANGES: list[tuple[str, Change, list[Any]]] = [
+    ("CartPole-v1", put_in("state", 0, 1.5), [1, 0]),
+    ("CartPole-v1", put("state", np.array([0.1, 0.2, 0.03, 0.4])), [1, 0]),
+    ("CartPole-v1", put("state", np.array([0.1, 0.2, 0.03, 0.4], np.float32)), [1, 0, 1]),
+    ("CartPole-v1", put("state", np.array([0.1, 0.2, 0.2, 3.0], np.float32)), [1, 1, 1]),
+    ("CartPole-v1", put("state", (0, 0, 0, 0)), [1, 0]),
+    ("CartPole-v1", put("steps_beyond_terminated", 1), [1, 0]),
+    ("MountainCar-v0", put("state", np.array([-0.4, 0.01])), [2, 2]),
+    ("MountainCar-v0", put("state", np.array([-0.4, 0.01], np.float32)), [2, 2, 2]),
+    ("Pendulum-v1", put("state", np.array([-0.4, 0.01], np.float32)), [np.array([0.5], np.float32)] * 3),
+    ("MountainCarContinuous-v0", put("state", np.array([-0.4, 0.01], np.float32)), [np.array([0.5], np.float32)] * 2),
+    ("Acrobot-v1", put("state", np.array([0.1, 0.2, 0.3, 0.4], np.float32)), [2, 0]),
+    ("MountainCarContinuous-v0", put_in("state", 1, 0.02), [np.array([0.5], np.float32)]),
+    ("Pendulum-v1", put_in("state", slice(None), [1.0, -2.0]), [np.array([0.5], np.float32)]),
+    ("Acrobot-v1", put_in("state", 2, 0.7), [2, 0]),
+    ("Acrobot-v1", put("AVAIL_TORQUE", [-1.0, 0.0, 0.25]), [2, 2]),
+    ("Blackjack-v1", put("player", [10, 7]), [0]),
+    ("Blackjack-v1", put_in("dealer", 0, 3), [0]),
+    ("Blackjack-v1", lambda env: env.player.append(2), [0]),
+    ("Blackjack-v1", put("sab", False), [1]),
+    ("FrozenLake-v1", put_in("P", 0, {a: [(0.5, 9, 2.0, False), (0.5, 2, -1.0, False)] for a in range(4)}), [1, 1, 2]),
+    ("FrozenLake-v1", put_in("initial_state_distrib", slice(None), np.eye(16)[14]), [1, 1]),
+    ("FrozenLake-v1", put("initial_state_distrib", np.full(16, 1 / 16)), [1, 1]),
+    ("FrozenLake-v1", put("s", 6), [1, 1]),
+    ("CliffWalking-v1", lambda env: env.P[36].update({1: [(1.0, 20, 7.0, True)]}), [1]),
+    ("Taxi-v4", put("P", {s: {a: [(1.0, 77, -3.0, False)] for a in range(6)} for s in range(500)}), [1, 3]),
+    ("Taxi-v4", put("fickle_passenger", True), [1, 3]),
+    ("LunarLander-v3", put("prev_shaping", -10.0), [2, 1]),
+    ("LunarLander-v3", put("game_over", True), [2]),
+    ("LunarLander-v3", lambda env: setattr(env.lander, "linearVelocity", (1.0, -2.0)), [2, 1, 3]),
+    ("LunarLander-v3", lambda env: setattr(env.lander, "angularVelocity", 0.5), [2, 1, 3]),
+    ("LunarLander-v3", lambda env: setattr(env.world, "gravity", (0.5, -3.0)), [2, 1, 3]),
+    ("LunarLander-v3", lambda env: env.lander.ApplyForceToCenter((30.0, 70.0), True), [2, 1, 3]),
+    ("LunarLander-v3", lambda env: env.lander.ApplyTorque(3.0, True), [2, 1, 3]),
+    ("LunarLander-v3", lambda env: env.legs[0].ApplyLinearImpulse((0.1, 0.2), (10.0, 13.0), True), [2, 1, 3]),
+    ("LunarLander-v3", lambda env: env.lander.ApplyAngularImpulse(0.3, True), [2, 1, 3]),
+    ("BipedalWalker-v3", lambda env: setattr(env.hull, "linearVelocity", (0.5, 0.25)), [np.zeros(4, np.float32)] * 3),
+]
+
+
 @pytest.mark.parametrize("way", WAYS)
-@pytest.mark.parametrize(
-    ("env_id", "change", "actions"),
-    [
-        ("CartPole-v1", put_in("state", 0, 1.5), [1, 0]),
-        ("CartPole-v1", put("state", np.array([0.1, 0.2, 0.03, 0.4])), [1, 0]),
-        ("CartPole-v1", put("state", np.array([0.1, 0.2, 0.03, 0.4], np.float32)), [1, 0, 1]),
-        ("CartPole-v1", put("state", np.array([0.1, 0.2, 0.2, 3.0], np.float32)), [1, 1, 1]),
-        ("CartPole-v1", put("state", (0, 0, 0, 0)), [1, 0]),
-        ("CartPole-v1", put("steps_beyond_terminated", 1), [1, 0]),
-        ("MountainCar-v0", put("state", np.array([-0.4, 0.01])), [2, 2]),
-        ("MountainCar-v0", put("state", np.array([-0.4, 0.01], np.float32)), [2, 2, 2]),
-        ("Pendulum-v1", put("state", np.array([-0.4, 0.01], np.float32)), [np.array([0.5], np.float32)] * 3),
-        ("MountainCarContinuous-v0", put("state", np.array([-0.4, 0.01], np.float32)), [np.array([0.5], np.float32)] * 2),
-        ("Acrobot-v1", put("state", np.array([0.1, 0.2, 0.3, 0.4], np.float32)), [2, 0]),
-        ("MountainCarContinuous-v0", put_in("state", 1, 0.02), [np.array([0.5], np.float32)]),
-        ("Pendulum-v1", put_in("state", slice(None), [1.0, -2.0]), [np.array([0.5], np.float32)]),
-        ("Acrobot-v1", put_in("state", 2, 0.7), [2, 0]),
-        ("Acrobot-v1", put("AVAIL_TORQUE", [-1.0, 0.0, 0.25]), [2, 2]),
-        ("Blackjack-v1", put("player", [10, 7]), [0]),
-        ("Blackjack-v1", put_in("dealer", 0, 3), [0]),
-        ("Blackjack-v1", lambda env: env.player.append(2), [0]),
-        ("Blackjack-v1", put("sab", False), [1]),
-        ("FrozenLake-v1", put_in("P", 0, {a: [(0.5, 9, 2.0, False), (0.5, 2, -1.0, False)] for a in range(4)}), [1, 1, 2]),
-        ("FrozenLake-v1", put_in("initial_state_distrib", slice(None), np.eye(16)[14]), [1, 1]),
-        ("FrozenLake-v1", put("initial_state_distrib", np.full(16, 1 / 16)), [1, 1]),
-        ("FrozenLake-v1", put("s", 6), [1, 1]),
-        ("CliffWalking-v1", lambda env: env.P[36].update({1: [(1.0, 20, 7.0, True)]}), [1]),
-        ("Taxi-v4", put("P", {s: {a: [(1.0, 77, -3.0, False)] for a in range(6)} for s in range(500)}), [1, 3]),
-        ("Taxi-v4", put("fickle_passenger", True), [1, 3]),
-        ("LunarLander-v3", put("prev_shaping", -10.0), [2, 1]),
-        ("LunarLander-v3", put("game_over", True), [2]),
-        ("LunarLander-v3", lambda env: setattr(env.lander, "linearVelocity", (1.0, -2.0)), [2, 1, 3]),
-        ("LunarLander-v3", lambda env: setattr(env.lander, "angularVelocity", 0.5), [2, 1, 3]),
-        ("LunarLander-v3", lambda env: setattr(env.world, "gravity", (0.5, -3.0)), [2, 1, 3]),
-        ("LunarLander-v3", lambda env: env.lander.ApplyForceToCenter((30.0, 70.0), True), [2, 1, 3]),
-        ("LunarLander-v3", lambda env: env.lander.ApplyTorque(3.0, True), [2, 1, 3]),
-        ("LunarLander-v3", lambda env: env.legs[0].ApplyLinearImpulse((0.1, 0.2), (10.0, 13.0), True), [2, 1, 3]),
-        ("LunarLander-v3", lambda env: env.lander.ApplyAngularImpulse(0.3, True), [2, 1, 3]),
-        ("BipedalWalker-v3", lambda env: setattr(env.hull, "linearVelocity", (0.5, 0.25)), [np.zeros(4, np.float32)] * 3),
-    ],
-)
+@pytest.mark.parametrize(("env_id", "change", "actions"), CHANGES)
 def test_changes_count(env_id: str, change: Change, actions: list[Any], way: str) -> None:
     if env_id in ("LunarLander-v3", "BipedalWalker-v3"):
         pytest.importorskip("Box2D")
     both(env_id, change, actions, way)
+
+
+def row(batch: Any, index: int) -> Any:
+    return tuple(part[index] for part in batch) if isinstance(batch, tuple) else batch[index]
+
+
+@pytest.mark.parametrize("way", ["itself", "deep copy", "pickle"])
+@pytest.mark.parametrize("index", [0, 1])
+@pytest.mark.parametrize(("env_id", "change", "actions"), CHANGES)
+def test_changes_count_in_any_environment_of_a_vector(
+    env_id: str, change: Change, actions: list[Any], index: int, way: str
+) -> None:
+    alone, envs = rustgym.Env(env_id), rustgym.VectorEnv(env_id, 2, kind="sync")
+    alone.reset(seed=3 + index), envs.reset(seed=3)
+    change(alone)
+    is_single = getattr(getattr(alone, "state", None), "dtype", None) == np.float32
+    if is_single or alone.arguments != rustgym.Env(env_id).arguments:
+        pytest.skip("vectors compute in `float64`, and their arguments are set otherwise")
+    change(envs.envs[index])
+    envs = WAYS[way](envs)
+    for action in [*actions, actions[0]]:
+        expected, (observations, *parts) = alone.step(action), envs.step(np.stack([action, action]))
+        assert_same([row(observations, index), *(part[index] for part in parts[:3])], list(expected[:4]))
+        if expected[2]:
+            break
+    assert_same(row(envs.reset()[0], index), alone.reset()[0])
 
 
 def test_a_state_that_was_kept_is_the_states_no_longer() -> None:
@@ -475,3 +502,72 @@ def test_a_picture_has_a_face_only_where_the_dealers_card_has_one() -> None:
             env.dealer_top_card_value_str = "Joker"
         assert env.dealer_top_card_value_str == ("K" if shown in ("J", "Q", "K") else shown)
     assert faces >= {"A", "2", "J", "Q", "K"}
+
+
+OF_BOX2D = ["CarRacing-v3", "BipedalWalker-v3", "LunarLander-v3"]
+
+
+@pytest.mark.parametrize("env_id", [*OF_BOX2D, "CartPole-v1", "Taxi-v4", "Blackjack-v1"])
+def test_what_is_set_before_the_first_reset_is_overwritten_where_gymnasium_overwrites_it(env_id: str) -> None:
+    if env_id in OF_BOX2D:
+        pytest.importorskip("Box2D")
+
+    def seen(env: Any, name: str) -> Any:
+        value = getattr(env, name, "absent")
+        return value if isinstance(value, bool | int | float | str | None) else type(value)
+
+    early = rustgym.Env(env_id)
+    values = {name: getattr(early, name, "absent") for name in dir(type(early)) if not name.startswith("_")}
+    for name in [name for name, value in values.items() if isinstance(value, bool | float | None)]:
+        results = []
+        for module in (rustgym, gymnasium):
+            env = module.make(env_id, disable_env_checker=True).unwrapped
+            try:
+                setattr(env, name, not values[name] if isinstance(values[name], bool) else 2.5)
+            except (AttributeError, TypeError, ValueError):
+                break  # ours refuses it
+            before = seen(env, name)
+            env.reset(seed=3)
+            results.append((before, seen(env, name)))
+        assert len(results) < 2 or results[0] == results[1], name
+
+
+TUNABLE = ["Acrobot-v1", "CartPole-v1", "MountainCar-v0", "MountainCarContinuous-v0", "Pendulum-v1", "LunarLander-v3"]
+
+
+@pytest.mark.parametrize("env_id", TUNABLE)
+def test_arguments_are_those_that_were_set(env_id: str) -> None:
+    arguments = rustgym.Env(env_id).arguments
+    for name in arguments.keys() - rustgym.Env(env_id)._constants:
+        value = arguments[name]
+        if isinstance(value, list | tuple | float):
+            env: Any = rustgym.Env(env_id)
+            env.reset(seed=1)
+            other = value * 0.5 if isinstance(value, float) else [part * 0.5 for part in value]
+            setattr(env, name, other)
+            for twin in (env, *(WAYS[way](env) for way in WAYS)):
+                assert_same([twin.arguments[name], getattr(twin, name)], [other, other], name)
+
+
+def test_a_changed_table_needs_a_reset_too() -> None:
+    for env_id in ("FrozenLake-v1", "CliffWalking-v1", "Taxi-v4"):
+        env: Any = rustgym.Env(env_id)
+        env.P[0] = {action: [(1.0, 1, 5.0, False)] for action in env.P[0]}
+        with pytest.raises(gymnasium.error.ResetNeeded):
+            env.step(0)
+
+
+def test_a_taxi_points_where_it_was_driven_by_a_changed_table() -> None:
+    results = []
+    for module in (rustgym, gymnasium):
+        env = module.make("Taxi-v4", render_mode="rgb_array", disable_env_checker=True).unwrapped
+        env.reset(seed=3)
+        env.render()
+        for state in range(500):
+            env.P[state] = {action: [(1.0, (state + 20) % 500, 0.5, False)] for action in range(6)}
+        results.append([])
+        for action in (0, 3, 1, 2, 5, 4, 0):
+            results[-1].append([*env.step(action)[:4]])
+            env.render()
+            results[-1].append(env.taxi_orientation)
+    assert_same(*results)

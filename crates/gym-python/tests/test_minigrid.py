@@ -129,3 +129,37 @@ def test_names_of_classes() -> None:
         assert theirs is not None and class_of(env_id).__name__ == str(theirs.entry_point).partition(":")[2], env_id
     text = "<OrderEnforcing<PassiveEnvChecker<EmptyEnv<MiniGrid-Empty-8x8-v0>>>>"
     assert str(rustgym.make("MiniGrid-Empty-8x8-v0")) == text
+
+
+#: Wide, high and square.
+SHAPES = [f"MiniGrid-{name}-v0" for name in ("Unlock", "BlockedUnlockPickup", "RedBlueDoors-6x6", "DistShift1", "FourRooms")]
+
+
+@pytest.mark.parametrize("env_id", SHAPES)
+def test_views_without_the_package_are_those_of_minigrid(env_id: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    theirs = gymnasium.make(env_id).unwrapped
+    monkeypatch.setattr(rustgym.envs.minigrid, "package_of", lambda env_id: None)
+    monkeypatch.setattr(rustgym._class_env, "package_of", lambda env_id: None)
+    ours = rustgym.make(env_id).unwrapped
+    for env in (ours, theirs):
+        env.reset(seed=1)
+    for action in np.random.default_rng(3).integers(0, 6, 60).tolist():
+        for size in (None, 3, 9):
+            (grid, mask), (their_grid, their_mask) = (env.gen_obs_grid(size) for env in (ours, theirs))
+            assert_same(mask, their_mask, f"cells seen of {size}")
+            assert_same(grid.encode(mask), their_grid.encode(their_mask), f"view of {size}")
+        if any(theirs.step(action)[2:4]):
+            break
+        ours.step(action)
+
+
+def test_actions_are_minigrids_own_or_equal_them(monkeypatch: pytest.MonkeyPatch) -> None:
+    from minigrid.core.actions import Actions
+
+    env: Any = rustgym.make("MiniGrid-Empty-5x5-v0").unwrapped
+    assert env.actions is Actions
+    monkeypatch.setattr(rustgym.envs.minigrid, "package_of", lambda env_id: None)
+    assert [(action.name, action.value) for action in env.actions] == [(action.name, action.value) for action in Actions]
+    with pytest.raises(gymnasium.error.DependencyNotInstalled) as raised:
+        type("Mine", (type(env),), {"step_count": 3, "_reward": None, "_gen_grid": None})
+    assert str(raised.value).startswith("Mine overrides _gen_grid, which minigrid calls: ")

@@ -12,7 +12,7 @@ from typing import Any
 import gymnasium
 import numpy as np
 import pytest
-from conftest import assert_same
+from conftest import assert_same, go_on
 
 import rustgym
 
@@ -364,3 +364,72 @@ def test_a_stored_state_has_all_that_mujocos_package_computed() -> None:
     stored = json.loads(env.get_state())["native"]["episode"]["data"]["state"]
     for name in ("qpos", "qvel", "qacc_warmstart"):
         assert stored[name] == getattr(env.data, name).tolist() and any(stored[name]), name
+
+
+def test_each_array_of_the_model_is_watched_to_its_ends() -> None:
+    env = ours("HalfCheetah-v5")
+    env.reset(seed=1)
+    model, mirror = env.model, env._mirror
+    names = [name for name in dir(model) if isinstance(getattr(model, name, None), np.ndarray)]
+    watched = [name for name in names if 0 < getattr(model, name).nbytes < 1 << 16 and getattr(model, name).flags.writeable]
+    assert len(watched) > 100 and mirror.changes() == ({}, None)
+    for name in watched:
+        array = getattr(model, name).reshape(-1)
+        for index in (0, -1):
+            bits = array.view(np.uint8)[index]
+            array.view(np.uint8)[index] ^= 1
+            assert mirror.changes()[1] == "model", f"{name}[{index}]"
+            array.view(np.uint8)[index] = bits
+    assert mirror.changes() == ({}, None) and not env._is_handed
+
+
+def test_a_renderer_is_made_as_gymnasium_makes_it(monkeypatch: pytest.MonkeyPatch) -> None:
+    made: list[dict[str, Any]] = []
+
+    class Renderer:
+        def __init__(self, model: Any, data: Any, *args: Any, **kwargs: Any) -> None:
+            names = ("default_cam_config", "width", "height", "max_geom", "camera_id", "camera_name", "visual_options")
+            made.append({**dict.fromkeys(names), **dict(zip(names, args, strict=False)), **kwargs})
+
+    monkeypatch.setattr("gymnasium.envs.mujoco.mujoco_rendering.MujocoRenderer", Renderer)
+    given: list[dict[str, Any]] = [{}, {"width": 64, "height": 48}, {"camera_id": 0}, {"camera_name": "track"}]
+    given += [{"max_geom": 7}, {"visual_options": {2: True}}]
+    for kwargs in given:
+        made.clear()
+        _ = ours("Hopper-v5", render_mode="rgb_array", **kwargs).mujoco_renderer
+        theirs("Hopper-v5", render_mode="rgb_array", **kwargs)
+        assert_same(*made, where=str(kwargs))
+
+
+@pytest.mark.parametrize("env_id", ["Ant-v5", "HalfCheetah-v5", "Humanoid-v5", "Pusher-v5", "Reacher-v5", "Swimmer-v4"])
+@pytest.mark.parametrize("is_handed", [False, True])
+def test_what_was_read_of_a_start_is_no_part_of_the_next(env_id: str, is_handed: bool) -> None:
+    """Arrays that a user overwrites after an episode began have an effect where they have one in Gymnasium."""
+
+    def use(env: Any, name: str) -> Any:
+        env.reset(seed=2)
+        if is_handed:
+            env.model.body_mass[1] *= 1.5
+            env.step(np.zeros(env.action_space.shape, np.float32))
+        if isinstance(array := getattr(env, name, None), np.ndarray) and array.flags.writeable:
+            array += 1
+        return [*go_on(env, actions_of(env, 3)), env.reset()[0], *go_on(env, actions_of(env, 1))]
+
+    for name in ("goal", "goal_pos", "cylinder_pos", "init_qpos", "init_qvel", "observation_structure"):
+        assert_same(use(ours(env_id), name), use(theirs(env_id), name), name)
+
+
+@pytest.mark.parametrize("is_handed", [False, True])
+@pytest.mark.parametrize("env_id", ["HalfCheetah-v5", "Hopper-v5", "Walker2d-v5"])
+def test_numbers_of_a_task_are_set_whoever_steps_it(env_id: str, is_handed: bool) -> None:
+    def use(env: Any, name: str, value: Any) -> Any:
+        env.reset(seed=2)
+        if is_handed:
+            env.model.body_mass[1] *= 1.5
+            env.step(actions_of(env, 1)[0])
+        setattr(env, name, value)
+        return [env.dt, env.frame_skip, *go_on(env, actions_of(env, 3)), env.reset()[0], *go_on(env, actions_of(env, 1))]
+
+    weights = ("_forward_reward_weight", 3.0), ("_ctrl_cost_weight", 0.5), ("_reset_noise_scale", 0.0)
+    for name, value in (("frame_skip", 2), *weights):
+        assert_same(use(ours(env_id), name, value), use(theirs(env_id), name, value), name)

@@ -415,3 +415,21 @@ def test_a_class_of_ones_own_is_warned_of_nothing(monkeypatch: pytest.MonkeyPatc
             assert not walker._is_handed
     finally:
         gymnasium.logger.min_level = gymnasium.logger.ERROR
+
+
+def test_opened_environments_of_a_class_are_of_one_class(minigrid: Any) -> None:
+    first, second = (make(rustgym, "MiniGrid-DoorKey-5x5-v0").unwrapped for _ in range(2))
+    for env in (first, second):
+        _ = env.grid
+        env.place_agent()
+    twin = copy.deepcopy(first)
+    assert type(first) is type(second) is type(twin) is type(pickle.loads(pickle.dumps(second)))
+
+
+@pytest.mark.parametrize("others", [(), ("helper",), ("helper", "another")])
+def test_a_method_that_the_package_calls_is_called_beside_others(others: tuple[str, ...]) -> None:
+    methods: dict[str, Any] = dict.fromkeys(others, lambda self: None)
+    mine = type("Mine", (rustgym.envs.Acrobot_v1,), {**methods, "_terminal": lambda self: True})
+    env = mine()
+    env.reset(seed=1)
+    assert env.step(1)[2] is True

@@ -352,10 +352,14 @@ class Env(gymnasium.Env[Any, Any], metaclass=_Kind):
         if not isinstance(state, str):
             raise TypeError(f"a state must be a text returned by get_state, not {brief(state)} of type {type(state).__name__}")
         self._native.restore(state, True)
+        if self._np_random_seed is None and self._was_reset():
+            self.__dict__["_np_random_seed"] = -1  # Gymnasium's number for a generator whose seed is unknown
         self._follow(is_reset=True)
 
     def _rebuild(self, changed: dict[str, Any]) -> None:
         """Replaces the native environment by one with the ``changed`` arguments, in the same state."""
+        if self._is_of_vector:
+            raise gymnasium.error.Error(f"{', '.join(changed)} of an environment of a vector cannot be set: give it to the vector")
         given = {**json.loads(self._native.arguments()), **changed}
         native = self._make_native(native_arguments(self.env_id, given))
         state = self._take_apart()[0]

@@ -19,7 +19,7 @@ from rustgym._live import Live
 from rustgym._modules import forwarder
 from rustgym._pictures import IsOpen, OfPicture, absent
 from rustgym._specs import spec_of
-from rustgym.env import entropy
+from rustgym.env import Env, entropy
 
 __all__ = ["AcrobotEnv", "CartPoleEnv", "Continuous_MountainCarEnv", "MountainCarEnv", "PendulumEnv"]
 
@@ -84,6 +84,12 @@ class ClassicControlEnv(TunableEnv):
         self._native.set_state(to_json({**json.loads(state), **fields}))
 
     state = Live(_read_state, _write_state)
+
+    def __copy__(self) -> Env:
+        twin = super().__copy__()
+        if isinstance(state := (self._handed or {}).get("state"), np.ndarray):  # its precision is that of the next step
+            ClassicControlEnv.state._hand(twin, state.copy())
+        return twin
 
     def _carrier(self, cause: str) -> Callable[[Any], None]:
         names = (*self.arguments, "state", "steps_beyond_terminated", "last_u")

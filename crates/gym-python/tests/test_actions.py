@@ -9,8 +9,10 @@ import os
 from pathlib import Path
 from typing import Any
 
+import gymnasium
 import numpy as np
 import pytest
+from conftest import assert_same
 
 import rustgym
 from rustgym._json import brief
@@ -159,3 +161,31 @@ def test_a_refused_action_changes_nothing(env_id: str) -> None:
         env.step("left")
     action = twin.action_space.sample()
     assert np.array_equal(env.step(action)[0], twin.step(action)[0])
+
+
+#: Forms of the number 1 or 0.3, which numpy computes with in different precisions.
+FORMS: dict[str, Any] = {
+    "ints": [1],
+    "a tuple of ints": (1,),
+    "bools": [True],
+    "floats": [0.3],
+    "a tuple of floats": (0.3,),
+    "int64": [np.int64(1)],
+    "float32 in a list": [np.float32(0.3)],
+    "float64 in a list": [np.float64(0.3)],
+    "an array of int64": np.array([1]),
+    "an array of float32": np.array([0.3], np.float32),
+    "an array of float64": np.array([0.3]),
+}
+
+
+@pytest.mark.parametrize("form", FORMS)
+@pytest.mark.parametrize("env_id", ["Pendulum-v1", "MountainCarContinuous-v0"])
+def test_numbers_are_computed_with_as_gymnasium_computes_with_them(env_id: str, form: str) -> None:
+    results = []
+    for module in (gymnasium, rustgym):
+        env = module.make(env_id, disable_env_checker=True).unwrapped
+        env.reset(seed=3)
+        results.append([env.step(FORMS[form])[:4] for _ in range(5)])
+    assert_same(results[1], results[0], form)
+    assert [type(step[1]) for step in results[0]] == [type(step[1]) for step in results[1]]

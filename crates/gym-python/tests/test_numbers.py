@@ -101,3 +101,10 @@ def test_arguments_that_are_whole(env_id: str, name: str) -> None:
         pytest.importorskip("mujoco")
     ours, theirs = (getattr(module.make(env_id).unwrapped, name) for module in (rustgym, gymnasium))
     assert repr(ours) == repr(theirs)
+
+
+@pytest.mark.parametrize("rewards", [(1, 0, 0), (1.0, 0.0, -1.0), (2.0, -1.0, 0.5), (0, 0, 0)])
+def test_rewards_of_a_table_have_gymnasiums_types(rewards: tuple[float, ...]) -> None:
+    ours, theirs = (make("FrozenLake-v1", reward_schedule=rewards).unwrapped for make in (rustgym.make, gymnasium.make))
+    for state in (0, 4, 14):  # (a hole leads to itself for Gymnasium's own 0)
+        assert repr(ours.P[state]) == repr(theirs.P[state])

@@ -7,6 +7,7 @@ import doctest
 import inspect
 import io
 import json
+import os
 import pydoc
 import re
 import subprocess
@@ -260,3 +261,13 @@ def test_the_notebook_runs(capsys: pytest.CaptureFixture[str]) -> None:
     assert len(shown) == 4 and len(shown[1].frames) > 50 and (shown[2].width, shown[2].height) == (1200, 200)
     assert all(picture._repr_png_().startswith(b"\x89PNG") for picture in shown)
     assert "CartPole-v1" in capsys.readouterr().out and (64, 105) in values
+
+
+def test_a_level_of_the_cpu_that_is_none_is_refused() -> None:
+    command = [sys.executable, "-c", "import rustgym; print(rustgym.make('CartPole-v1').reset(seed=1)[0].tolist())"]
+    told = {}
+    for level in ("baseline", "avx2", "", "pentium"):
+        result = subprocess.run(command, capture_output=True, text=True, timeout=60, env={**os.environ, "GYM_CPU": level}, check=False)
+        told[level] = result.stdout or result.stderr.splitlines()[-1]
+    assert told["baseline"] == told["avx2"] and told["baseline"].startswith("[")
+    assert told["pentium"].startswith("ValueError: ") and "GYM_CPU" in told["pentium"] and "pentium" in told["pentium"], told

@@ -265,3 +265,27 @@ def test_what_has_diverged_in_mujocos_package_is_stored() -> None:
     assert np.isnan(twin.data.qvel).all()
     action = np.full(3, 0.5, np.float32)
     assert_same(twin.step(action)[:4], env.step(action)[:4])
+
+
+REFUSED_RESETS: list[tuple[str, dict[str, Any]]] = [
+    ("CartPole-v1", {"low": 0.5, "high": -0.5}),
+    ("CartPole-v1", {"low": "a"}),
+    ("Pendulum-v1", {"x_init": "a"}),
+    ("MountainCar-v0", {"low": 0.5, "high": -0.5}),
+    ("PointMaze_UMaze-v3", {"goal_cell": [0, 0]}),
+]
+
+
+@pytest.mark.parametrize(("env_id", "options"), REFUSED_RESETS)
+def test_after_a_reset_that_was_refused_there_is_no_episode(env_id: str, options: dict[str, Any]) -> None:
+    env, twin = rustgym.Env(env_id), rustgym.Env(env_id)
+    for e in (env, twin):
+        e.reset(seed=1)
+    with pytest.raises(Exception):  # noqa: B017 - of Gymnasium's kind
+        env.reset(options=options)
+    action = env.action_space.sample()
+    with pytest.raises(gymnasium.error.ResetNeeded):
+        env.step(action)
+    for e in (env, twin):
+        e.reset(seed=2)
+    assert_same(env.step(action), twin.step(action))

@@ -316,3 +316,22 @@ def test_infos_are_in_gymnasiums_order(env_id: str, mode: AutoresetMode) -> None
         if mode == AutoresetMode.DISABLED and (ended | late).any():
             over = {"reset_mask": ended | late}
             assert order(ours.reset(options=dict(over))[1]) == order(theirs.reset(options=dict(over))[1])
+
+
+@pytest.mark.parametrize("kind", ["sync", "async", "native"])
+@pytest.mark.parametrize("seed", [None, 4, [4, 9], [None, 9]])
+def test_options_join_seeds_of_any_form(kind: str, seed: Any) -> None:
+    options = {"low": 0.01, "high": 0.02}
+    envs = rustgym.VectorEnv("CartPole-v1", 2, kind=kind)
+    theirs = gymnasium.make_vec("CartPole-v1", num_envs=2, vectorization_mode="sync")
+    for e in (envs, theirs):
+        e.reset(seed=[1, 2])
+    observations = envs.reset(seed=seed, options=options)[0]
+    assert np.all((observations >= 0.01) & (observations < 0.02))
+    expected = theirs.reset(seed=seed, options=options)[0]
+    if seed != [None, 9]:  # Gymnasium's takes this as a list of seeds, too
+        assert_same(observations, expected)
+    mask = np.array([False, True])
+    kept = envs.reset(seed=seed, options={**options, "reset_mask": mask})[0]
+    assert_same(kept[0], observations[0])
+    assert np.all((kept[1] >= 0.01) & (kept[1] < 0.02))

@@ -483,3 +483,41 @@ fn a_file_beyond_the_limit_of_the_shell_is_told() {
         assert_eq!(std::fs::read_dir(&out).unwrap().count(), 0, "{arguments:?}");
     }
 }
+
+/// The name of a file that is read or written is printed without control characters.
+#[cfg(unix)]
+#[test]
+fn names_of_files_are_printed_safely() {
+    let folder = folder("hostile-names");
+    let name = "\u{1b}[2J\u{9b}\u{202e}";
+    let model =
+        "<mujoco><worldbody><body><freejoint/><geom size=\".1\"/></body></worldbody></mujoco>";
+    let trace = r#"{"id":"CartPole-v1","events":[{"reset":{"seed":1}},{"step":0}]}"#;
+    for (file, text) in [("xml", model), ("json", trace)] {
+        std::fs::write(folder.join(format!("{name}.{file}")), text).unwrap();
+    }
+    let said = |line: &str| {
+        let arguments = line.split(' ').map(|word| word.replace("NAME", name));
+        let output = program()
+            .args(arguments)
+            .current_dir(&folder)
+            .output()
+            .unwrap();
+        let [stdout, stderr] =
+            [output.stdout, output.stderr].map(|text| String::from_utf8(text).unwrap());
+        assert!(output.status.success(), "{line}: {stderr}");
+        stdout + &stderr
+    };
+    let hidden = |c: char| (c.is_control() && c != '\n') || c == '\u{202e}';
+    for (line, names_it) in [
+        ("gif CartPole-v1 --max-frames 2 --out NAME.gif", true),
+        ("run CartPole-v1 --json NAMEs.json --plot NAME.svg", false),
+        ("mjcf NAME.xml --out NAME.png", true),
+        ("replay NAME.json --out NAME", false),
+        ("replay NAME/NAME.json", true),
+    ] {
+        let text = said(line);
+        assert!(!text.contains(hidden), "{line}: {text:?}");
+        assert_eq!(text.contains("[2J"), names_it, "{line}: {text}");
+    }
+}

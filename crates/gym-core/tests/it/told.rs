@@ -290,3 +290,104 @@ fn every_step_beyond_a_limit_is_truncated() {
         }
     }
 }
+
+/// JSON with one part changed, each with its place: another kind in its place, and a part more, a part less, or two in
+/// the other order.
+fn damages(place: &str, json: &Json, list: &mut Vec<(String, Json)>) {
+    let mut add = |what: String, damaged: Json| list.push((format!("{place} {what}"), damaged));
+    for other in [
+        json!(null),
+        json!(-1),
+        json!(1.5),
+        json!("x"),
+        json!([]),
+        json!({}),
+    ] {
+        add(format!("is {other}"), other);
+    }
+    match json {
+        Json::Array(items) => {
+            let [mut less, mut more, mut turned] = [(); 3].map(|()| items.clone());
+            if let Some(last) = less.pop() {
+                more.push(last);
+                turned.reverse();
+                add("has a part less".into(), less.into());
+                add("has a part more".into(), more.into());
+                add("has its parts in reverse".into(), turned.into());
+            }
+        }
+        Json::Object(entries) => {
+            for (key, value) in entries {
+                let [mut less, mut renamed] = [(); 2].map(|()| entries.clone());
+                less.remove(key);
+                renamed.remove(key);
+                renamed.insert(format!("{key}x"), value.clone());
+                add(format!("has no {key:?}"), less.into());
+                add(format!("has {:?}", format!("{key}x")), renamed.into());
+            }
+            let mut more = entries.clone();
+            more.insert("more".into(), json!(1));
+            add("has more".into(), more.into());
+        }
+        _ => {}
+    }
+    let mut within = |key: String, part: &Json, put: &dyn Fn(Json) -> Json| {
+        let mut parts = Vec::new();
+        damages(&format!("{place}/{key}"), part, &mut parts);
+        list.extend(
+            parts
+                .into_iter()
+                .map(|(what, damaged)| (what, put(damaged))),
+        );
+    };
+    match json {
+        Json::Array(items) => {
+            for (i, part) in items.iter().enumerate() {
+                within(i.to_string(), part, &|damaged| {
+                    let mut items = items.clone();
+                    items[i] = damaged;
+                    items.into()
+                });
+            }
+        }
+        Json::Object(entries) => {
+            for (key, part) in entries {
+                within(key.clone(), part, &|damaged| {
+                    let mut entries = entries.clone();
+                    entries[key] = damaged;
+                    entries.into()
+                });
+            }
+        }
+        _ => {}
+    }
+}
+
+/// The stored form of each kind of value with one part changed: another value, or what is wrong with it.
+#[test]
+fn a_stored_value_that_was_changed_is_read_or_told_as_recorded() {
+    let mut told = String::new();
+    for stored in [
+        json!({"$float": "inf"}),
+        json!({"$float32": [[0.5, "NaN"], [2.0, 3.0]]}),
+        json!({"$uint8": "AAEC", "shape": [3, 1]}),
+        json!({"$dict": [["b", 1], ["a", {"$float": "NaN"}]]}),
+        json!({"$graph": [{"$int64": [1, 2]}, null, {"$uint8": [0]}]}),
+        json!({"$one_of": [3, "text"]}),
+        json!({"a": [true, 2]}),
+    ] {
+        let whole = serde_json::from_value::<Value>(stored.clone());
+        writeln!(told, "{stored}: {}", whole.unwrap()).unwrap();
+        let mut list = Vec::new();
+        damages("", &stored, &mut list);
+        for (what, damaged) in list {
+            let read = serde_json::from_value::<Value>(damaged);
+            let text = read.map_or_else(
+                |error| error.to_string(),
+                |value| format!("reads {value:?}"),
+            );
+            writeln!(told, "{what}: {text}").unwrap();
+        }
+    }
+    keep("damaged_values.txt", &told);
+}

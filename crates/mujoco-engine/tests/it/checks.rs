@@ -11,13 +11,14 @@ fn text() -> String {
     let parts = [
         (
             "<asset>",
-            r#"<asset><mesh name="m" vertex="0 0 0 1 0 0 0 1 0 0 0 1"/><hfield name="h" nrow="2" ncol="2" size="1 1 1 1"/>
-                <texture name="t" type="2d" builtin="flat" width="2" height="2"/>"#,
+            r#"<asset><mesh name="m" vertex="0 0 0 1 0 0 0 1 0 0 0 1"/><mesh name="n" vertex="0 0 0 1 0 0 0 1 0 0 0 1 1 1 1"/>
+                <hfield name="h" nrow="2" ncol="2" size="1 1 1 1"/><texture name="t" type="2d" builtin="flat" width="2" height="2"/>"#,
         ),
         (r#"rgba="1 0 0 1"/>"#, r#"rgba="1 0 0 1" texture="t"/>"#),
         (
             "<camera name",
-            r#"<geom type="mesh" mesh="m" pos="9 9 9"/><geom type="hfield" hfield="h" pos="-9 -9 -9"/><camera name"#,
+            r#"<geom type="mesh" mesh="m" pos="9 9 9"/><geom type="hfield" hfield="h" pos="-9 -9 -9"/>
+                <geom type="mesh" mesh="n" pos="9 0 9"/><camera name"#,
         ),
         (
             "<contact>",
@@ -54,7 +55,7 @@ fn text() -> String {
 type Change = (String, &'static str, Value);
 
 /// The changes of a value: other numbers, and lists of other lengths. Of a list, the last element is changed; of a row of
-/// numbers, the first and the last.
+/// numbers, the first and the last; of the hulls of meshes each, for some say where others stand.
 fn changes(place: &str, value: &Value, list: &mut Vec<Change>) {
     match value {
         Value::Object(fields) => {
@@ -63,19 +64,23 @@ fn changes(place: &str, value: &Value, list: &mut Vec<Change>) {
             }
         }
         Value::Array(rows) => {
-            let Some(last) = rows.last() else { return };
+            let Some(end) = rows.last() else { return };
             let within = place.matches('/').count() > 1 && !place.starts_with("/names");
             if !within {
                 let (mut shorter, mut longer) = (rows.clone(), rows.clone());
                 shorter.pop();
-                longer.push(last.clone());
+                longer.push(end.clone());
                 list.push((place.to_owned(), "shorter", json!(shorter)));
                 list.push((place.to_owned(), "longer", json!(longer)));
             }
             if within && rows.len() > 1 {
                 changes(&format!("{place}/0"), &rows[0], list);
             }
-            changes(&format!("{place}/{}", rows.len() - 1), last, list);
+            let last = rows.len() - 1;
+            let first = if place == "/mesh_graph" { 0 } else { last };
+            for (i, row) in rows.iter().enumerate().skip(first) {
+                changes(&format!("{place}/{i}"), row, list);
+            }
         }
         Value::Number(number) if number.is_f64() => {
             for other in [-1.0, 0.0, 1e3, 1e300] {
@@ -83,7 +88,13 @@ fn changes(place: &str, value: &Value, list: &mut Vec<Change>) {
             }
         }
         Value::Number(_) => {
-            for other in [-1, 0, 1, 7, 99_999] {
+            let others = [-1, 7, 0, 1, 99_999];
+            let count = if place.starts_with("/mesh_graph/") {
+                2
+            } else {
+                5
+            };
+            for other in &others[..count] {
                 list.push((place.to_owned(), "is", json!(other)));
             }
         }

@@ -140,3 +140,54 @@ fn clip_to_face(
     }
     manifold
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::math::{Vec2, pose_about, vec2};
+    use super::*;
+    use crate::physics::Shape;
+
+    /// A number from -1 to 1 by lot.
+    fn lot(seed: &mut u64) -> f32 {
+        *seed = seed
+            .wrapping_mul(6_364_136_223_846_793_005)
+            .wrapping_add(1_442_695_040_888_963_407);
+        (*seed >> 40) as f32 / (1 << 23) as f32 - 1.0
+    }
+
+    /// A polygon within a flat ellipse, of which the other may lie in any direction.
+    fn polygon(seed: &mut u64) -> (Geometry, Pose) {
+        let points = (0..8).map(|_| vec2(4.0 * lot(seed), lot(seed)));
+        let polygon = Geometry::from(&Shape::Polygon(points.collect()));
+        let place = vec2(2.0 * lot(seed), 2.0 * lot(seed));
+        (polygon, pose_about(place, 4.0 * lot(seed), Vec2::zeros()))
+    }
+
+    /// The search ends at a face that no neighbour exceeds, however far it climbs.
+    #[test]
+    fn no_neighbour_of_the_face_found_separates_more() {
+        let (mut climbs, seed) = ([0; 4], &mut 3);
+        for _ in 0..2000 {
+            let [(a, xf_a), (b, xf_b)] = [polygon(seed), polygon(seed)];
+            let (face, found) = max_separation(&a, &xf_a, &b, &xf_b);
+            let of = |i: usize| face_separation(&a, &xf_a, i, &b, &xf_b);
+            let count = a.vertices().len();
+            assert_eq!(found, of(face));
+            for other in [a.next(face), (face + count - 1) % count] {
+                assert!(of(other) <= found, "{other} exceeds {face}");
+            }
+
+            let towards = rotate_back(
+                xf_a.rotation,
+                transform(&xf_b, b.centroid) - transform(&xf_a, a.centroid),
+            );
+            let along = |i: &usize| dot(a.normals()[*i], towards);
+            let first = (0..count)
+                .max_by(|i, j| along(i).total_cmp(&along(j)))
+                .unwrap();
+            let apart = first.abs_diff(face);
+            climbs[apart.min(count - apart).min(3)] += 1;
+        }
+        assert!(climbs.iter().all(|climbs| *climbs > 0), "{climbs:?}");
+    }
+}

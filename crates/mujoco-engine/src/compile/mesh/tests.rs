@@ -1,7 +1,7 @@
 //! Expected numbers are those of libmujoco 3.12.0 and 4.0.0 (the Python wheels for Linux x86-64).
 
 use super::samples::{made, msh, stl};
-use super::{Format, Inertia, Mesh, MeshError, Options, Source};
+use super::{Format, Inertia, Mesh, MeshError, Options, Source, inertia_box};
 use crate::Revision;
 use crate::compile::hull::{Graph, HullError, samples::Random};
 use crate::model::GeomType;
@@ -445,6 +445,34 @@ fn bad_meshes_are_refused() {
         bad(WEDGE, three),
         MeshError::Hull(HullError::MaxVertices(3))
     );
+}
+
+/// The greatest of three moments of inertia is at most the sum of the others; a plate reaches it.
+#[test]
+fn moments_that_no_body_has_are_refused() {
+    for [a, b, c] in [[1.0, 1.0, 1.0], [2.0, 1.0, 1.0], [3.0, 2.0, 1.0]] {
+        for moments in [[a, b, c], [c, a, b], [b, c, a]] {
+            let sizes = inertia_box(moments, 12.0).unwrap();
+            // the moments of a box of mass 12 with these half sizes
+            let found =
+                [(1, 2), (0, 2), (0, 1)].map(|(i, k)| 4.0 * (sizes[i].powi(2) + sizes[k].powi(2)));
+            for (found, known) in found.into_iter().zip(moments) {
+                assert!((found - known).abs() < 1e-12, "{moments:?}: {found}");
+            }
+        }
+    }
+    for [a, b, c] in [
+        [3.0, 1.0, 1.0],
+        [2.1, 1.0, 1.0],
+        [1.0, 1.0, -1.0],
+        [0.0, 0.0, 0.0],
+        [-1.0, -1.0, -1.0],
+    ] {
+        for moments in [[a, b, c], [c, a, b], [b, c, a]] {
+            let found = inertia_box(moments, 12.0);
+            assert_eq!(found.unwrap_err(), MeshError::Inertia(moments));
+        }
+    }
 }
 
 #[test]

@@ -484,3 +484,93 @@ fn by_zone<N: Number>(
     );
     chosen
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A number from -1 to 1 by lot.
+    fn lot(seed: &mut u64) -> f64 {
+        *seed = seed
+            .wrapping_mul(6_364_136_223_846_793_005)
+            .wrapping_add(1_442_695_040_888_963_407);
+        (*seed >> 11) as f64 / (1_u64 << 52) as f64 - 1.0
+    }
+
+    /// The cost of the residuals `x` of a contact, and the number of its zone; none if the contact
+    /// slides so slowly that the slope bends fast. The stiffness of a row is `d`, that of the
+    /// first, times the square of its friction over `mu`.
+    fn cost(x: &[f64], shape: &Shape<f64>, d: f64) -> (f64, Option<usize>) {
+        let mu = shape.mu;
+        let n = mu * x[0];
+        let square: f64 = (x[1..].iter().zip(shape.friction))
+            .map(|(x, friction)| (x * friction).powi(2))
+            .sum();
+        let t = square.sqrt();
+        if n >= mu * t {
+            (0.0, Some(0))
+        } else if mu * n <= -t {
+            (0.5 * d * (n * n + square) / (mu * mu), Some(1))
+        } else {
+            (0.5 * shape.dm * (n - mu * t).powi(2), (t > 0.2).then_some(2))
+        }
+    }
+
+    /// The costs of 20,000 cones by lot, from each zone to each: the change, its slope, and the
+    /// slope's change are those of the formula of Todorov (2014).
+    #[test]
+    fn costs_along_a_line_are_those_of_its_ends() {
+        let (seed, mut seen) = (&mut 1, [[0; 3]; 3]);
+        for round in 0..20_000 {
+            let dim = 3 + round % 4;
+            let mu = 1.0 + 0.8 * lot(seed);
+            let friction = [(); 5].map(|()| 1.0 + 0.8 * lot(seed));
+            let d = 3.0 + 2.0 * lot(seed);
+            let dm = d / (mu * mu * (1.0 + mu * mu));
+            let shape = Shape { mu, friction, dm };
+            let rows: Vec<_> = (0..dim)
+                .map(|j| {
+                    let scale = if j == 0 {
+                        1.0
+                    } else {
+                        friction[j - 1] / mu
+                    };
+                    [2.0 * lot(seed), 2.0 * lot(seed), d * scale * scale]
+                })
+                .collect();
+            let at =
+                |alpha: f64| -> Vec<f64> { rows.iter().map(|[x, y, _]| x + alpha * y).collect() };
+            let alpha = 1.0 + lot(seed);
+            let step = 1e-4;
+            let (before, from) = cost(&at(0.0), &shape, d);
+            let [(less, a), (end, to), (more, b)] =
+                [alpha - step, alpha, alpha + step].map(|alpha| cost(&at(alpha), &shape, d));
+            // between zones the slope's change jumps
+            let (Some(from), Some(to), true) = (from, to, a == to && b == to) else {
+                continue;
+            };
+            seen[from][to] += 1;
+            let known = [
+                end - before,
+                (more - less) / (2.0 * step),
+                (more - 2.0 * end + less) / (step * step),
+            ];
+            let line = Cone::new((), &shape, dim, |j| rows[j]);
+            for number in [0, dim - 1] {
+                let found = line.at((), alpha, number);
+                for ((found, known), rest) in found.into_iter().zip(known).zip([1e-10, 1e-4, 1e-3])
+                {
+                    let most = rest * (1.0 + before.max(end).max(known.abs()));
+                    assert!(
+                        (found - known).abs() < most,
+                        "{from} to {to}: {found}, not {known}"
+                    );
+                }
+            }
+        }
+        assert!(
+            seen.as_flattened().iter().all(|seen| *seen > 100),
+            "{seen:?}"
+        );
+    }
+}

@@ -128,6 +128,13 @@ def tendons():
             around = f'<geom geom="post"{f" sidesite={chr(34)}{side}{chr(34)}" if side else ""}/>'
             text = f'<tendon><spatial name="t" range="0 .35" stiffness="5" damping=".3"><site site="s0"/>{around}<site site="s1"/></spatial><spatial name="u"><site site="s0"/>{around}<site site="s2"/><pulley divisor="2"/><site site="s1"/><site site="fixed"/></spatial></tendon>'
             yield model(f"wrap {shape} {side}", world=balls.format(shape), more=text + '<actuator><motor tendon="t"/></actuator><sensor><tendonpos tendon="t"/><tendonvel tendon="u"/></sensor>')
+    # the tendon bends within the geom, whichever way it is from the sites
+    for shape in ("sphere", "cylinder"):
+        for size, place in ((0.05, "-.5 .3 .5"), (0.15, "-.2 .4 .5"), (0.1, "-.4 -.1 .6"), (0.05, "-.5 .1 .8")):
+            post = f'<geom name="post" type="{shape}" size="{size} .3" pos="{place}" euler="10 5 0" contype="0" conaffinity="0"/><site name="within" pos="{place}"/>'
+            around = '<geom geom="post" sidesite="within"/>'
+            text = f'<tendon><spatial name="t" stiffness="5"><site site="s0"/>{around}<site site="s1"/></spatial><spatial name="u"><site site="s0"/>{around}<site site="s2"/></spatial></tendon>'
+            yield model(f"wrap within {shape} {size}", world=post, more=text + '<actuator><motor tendon="u"/></actuator><sensor><tendonpos tendon="u"/><tendonvel tendon="t"/></sensor>')
     for attributes in ('stiffness="9" springlength=".1"', 'stiffness="9" springlength=".1 .3"', 'damping="2"', 'frictionloss=".3"', 'range=".1 .2" solreflimit=".01 1" margin=".01"', 'armature=".1"', 'stiffness="3 1 2" damping="1 .5"', 'stiffness="0 1 2"', 'damping="0 .5"'):
         for integrator in ("Euler", "implicit"):
             text = f'<tendon><spatial name="t" {attributes}><site site="s0"/><site site="s2"/></spatial><fixed name="f" {attributes}><joint joint="slide" coef="2"/><joint joint="hinge" coef="-1"/></fixed></tendon>'

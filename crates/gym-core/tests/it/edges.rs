@@ -8,10 +8,13 @@ use gym_core::spaces::{
 use gym_core::vector::{Autoreset, SyncVectorEnv, VectorReset};
 use gym_core::wrappers::{OrderEnforcing, Render, RenderCollection, StepCount, TimeLimit};
 use gym_core::{
-    BoxEnv, Env, EnvExt, Error, Registration, Result, Snapshot, Space, Value, VectorEnv,
+    BoxEnv, Env, EnvExt, Error, Registration, Result, Sampler, Snapshot, Space, Value, VectorEnv,
     VectorEnvExt, WrapperSpec, make,
 };
 use gym_testing::Count;
+use serde_json::{Value as Json, json};
+
+use crate::spaces::many;
 
 gym_core::register!(
     Registration::new::<Count>("edges/Count-v0").max_episode_steps(5),
@@ -342,6 +345,46 @@ fn every_space_that_is_stored_is_read_again() {
         }
         assert!((30..199).contains(&deepest), "{deepest}");
     }
+}
+
+/// How many members have members, recursively.
+fn members(streams: &Json) -> Json {
+    let own = streams["members"].as_array().unwrap();
+    own.iter().map(members).collect()
+}
+
+/// A stored sampler goes on, and has a generator for each member of its space.
+#[test]
+fn a_stored_sampler_has_the_generators_of_its_space() {
+    let drawn = |space: &Space| {
+        let mut sampler = space.sampler(3);
+        sampler.sample();
+        sampler
+    };
+    let stored = |space| (serde_json::to_value(drawn(&space)).unwrap(), space);
+    let all: Vec<(Json, Space)> = many().into_iter().map(stored).collect();
+    let mut refused = 0;
+    for (own, space) in &all {
+        let (mut read, mut drawn): (Sampler, _) =
+            (serde_json::from_value(own.clone()).unwrap(), drawn(space));
+        assert_eq!(
+            [read.sample(), read.sample()],
+            [drawn.sample(), drawn.sample()]
+        );
+        for (other, _) in &all {
+            let mixed = json!({"space": own["space"], "streams": other["streams"]});
+            let read = serde_json::from_value::<Sampler>(mixed);
+            if members(&own["streams"]) == members(&other["streams"]) {
+                assert!(read.is_ok(), "{read:?}");
+            } else {
+                let told = format!("its generators are not those of {space}");
+                let error = read.unwrap_err().to_string();
+                assert!(error.contains(&told), "{error}");
+                refused += 1;
+            }
+        }
+    }
+    assert!(refused > 100, "{refused}");
 }
 
 /// Reading the stored form of a value gives the same value, for every kind.

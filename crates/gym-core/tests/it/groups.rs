@@ -124,3 +124,32 @@ fn none_and_more_than_are_pending_cannot_be_received() {
     ids.sort_unstable();
     assert_eq!(ids, [3, 8]);
 }
+
+/// Each option of a vector keeps the others and the sub-environments; there are no more threads than those.
+#[test]
+fn options_keep_one_another() {
+    let actions = Value::Array(Array::from(vec![0_i64; 4]));
+    for mode in [
+        Autoreset::NextStep,
+        Autoreset::SameStep,
+        Autoreset::Disabled,
+    ] {
+        for (asked, threads) in [(1, 1), (3, 3), (4, 4), (5, 4), (1024, 4)] {
+            let new = || {
+                let envs = (0..4).map(|number| Numbered { number, steps: 0 });
+                let mut envs = AsyncVectorEnv::new(envs).unwrap();
+                envs.reset(0).unwrap();
+                envs.step(&actions).unwrap();
+                envs
+            };
+            let one = new().with_autoreset(mode).with_threads(asked).unwrap();
+            let other = new().with_threads(asked).unwrap().with_autoreset(mode);
+            for mut envs in [one, other] {
+                assert_eq!((envs.autoreset(), envs.num_threads()), (mode, threads));
+                let columns = envs.step(&actions).unwrap();
+                let known = Array::from(vec![2_i64, 102, 202, 302]);
+                assert_eq!(columns.observations, Value::Array(known));
+            }
+        }
+    }
+}

@@ -16,7 +16,7 @@ use gym_testing::kept;
 
 use crate::spaces::many;
 
-const TYPES: [DType; 10] = [
+pub(crate) const TYPES: [DType; 10] = [
     DType::I8,
     DType::U8,
     DType::I16,

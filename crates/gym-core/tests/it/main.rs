@@ -2,6 +2,8 @@
 
 #[cfg(target_os = "linux")]
 mod affinity;
+mod arrays;
+mod closed;
 mod edges;
 mod families;
 mod groups;

@@ -143,7 +143,11 @@ const ROWS: &[Row] = &[
             "springlength='0.5 0.6'",
         ],
     ),
-    ("mesh", "name='m'", &["scale='1 2 3'", "inertia='shell'"]),
+    (
+        "mesh",
+        "name='m'",
+        &["scale='1 2 3'", "inertia='shell'", "maxhullvert='4'"],
+    ),
     (
         "general",
         "joint='j'",
@@ -218,8 +222,8 @@ fn compiled(kind: &str, defaults: &str, element: &str) -> Result<Value, String> 
         "<mujoco>{defaults}<asset>{mesh}<texture name='t' type='2d' builtin='flat' width='2' height='2'/>{material}</asset>\
          <worldbody>{camera}{light}{other}<body name='b'>{joint}{geom}{site}</body></worldbody><contact>{pair}</contact>\
          <equality>{equality}</equality><tendon>{tendon}</tendon><actuator>{actuator}</actuator></mujoco>",
-        mesh =
-            at(&["mesh"], "<mesh name='m'/>").replace("/>", " vertex='0 0 0 1 0 0 0 1 0 0 0 1'/>"),
+        mesh = at(&["mesh"], "<mesh name='m'/>")
+            .replace("/>", " vertex='0 0 0 1 0 0 0 1 0 0 0 1 1 1 1'/>"),
         material = at(&["material"], "<material name='a'/>"),
         camera = at(&["camera"], ""),
         light = at(&["light"], ""),
@@ -264,4 +268,103 @@ fn classes_say_what_elements_could_say() {
         }
     }
     assert!(unlike.is_empty(), "{}: {unlike:#?}", unlike.len());
+}
+
+/// The same attributes with other values: words for other words, and numbers a half larger, the second a quarter more.
+fn otherwise(attributes: &str) -> String {
+    const WORDS: &[(&str, &str)] = &[
+        ("true", "false"),
+        ("slide", "ball"),
+        ("box", "ellipsoid"),
+        ("ellipsoid", "none"),
+        ("capsule", "cylinder"),
+        ("track", "trackcom"),
+        ("targetbody", "targetbodycom"),
+        ("directional", "spot"),
+        ("orthographic", "perspective"),
+        ("shell", "exact"),
+        ("filter", "filterexact"),
+        ("integrator", "none"),
+        ("affine", "none"),
+        // (no limit, and whole numbers)
+        ("maxhullvert='4'", "maxhullvert='-1'"),
+        ("20 10", "30 20"),
+    ];
+    if let Some((_, other)) = WORDS.iter().find(|(word, _)| *word == attributes) {
+        return (*other).to_owned();
+    }
+    let value = |value: &str| {
+        if let Some((_, other)) = WORDS.iter().find(|(word, _)| *word == value) {
+            return (*other).to_owned();
+        }
+        let words = value.split(' ').enumerate();
+        let words = words.map(|(i, word)| {
+            let more = if i == 1 { 0.25 } else { 0.0 };
+            word.parse::<f64>()
+                .map_or(word.to_owned(), |x| (1.5 * x + more).to_string())
+        });
+        words.collect::<Vec<_>>().join(" ")
+    };
+    let parts = attributes.split('\'').enumerate();
+    let parts = parts.map(|(i, part)| {
+        if i % 2 == 1 {
+            value(part)
+        } else {
+            part.to_owned()
+        }
+    });
+    parts.collect::<Vec<_>>().join("'")
+}
+
+/// What an element says goes before what its class says, and what a class says before the class around it and that of
+/// the whole model.
+#[test]
+fn the_nearest_word_counts() {
+    let (mut unlike, mut compared) = (Vec::new(), 0);
+    for (kind, base, all) in ROWS {
+        for far in *all {
+            let near = otherwise(far);
+            let said = compiled(kind, "", &format!("<{kind} {base} {near}/>"));
+            if near == *far || said.is_err() {
+                continue;
+            }
+            compared += 1;
+            let [class, inner] = [*far, &near].map(|own| format!("<{kind} {own}/>"));
+            let plain = format!("<{kind} {base}/>");
+            let named = plain.replace("/>", " class='d'/>");
+            let loud = plain.replace("/>", &format!(" {near}/>"));
+            let loudest = named.replace("/>", &format!(" {near}/>"));
+            for (defaults, element) in [
+                (class.clone(), loud),
+                (
+                    format!("<default class='d'>{class}</default>"),
+                    loudest.clone(),
+                ),
+                (
+                    format!("{class}<default class='d'>{inner}</default>"),
+                    named.clone(),
+                ),
+                (
+                    format!(
+                        "<default class='c'>{class}<default class='d'>{inner}</default></default>"
+                    ),
+                    named,
+                ),
+                (
+                    format!("<default class='c'>{class}<default class='d'/></default>"),
+                    loudest,
+                ),
+            ] {
+                let found = compiled(kind, &format!("<default>{defaults}</default>"), &element);
+                if found != said {
+                    unlike.push(format!(
+                        "{kind}: {element} in {defaults}: {:?}",
+                        found.err()
+                    ));
+                }
+            }
+        }
+    }
+    assert!(unlike.is_empty(), "{}: {unlike:#?}", unlike.len());
+    assert!(compared > 90, "{compared}");
 }

@@ -34,6 +34,7 @@ mod reasons;
 mod refit;
 mod refusals;
 mod results;
+mod sections;
 mod sleep;
 mod sleeping;
 mod sparse;

@@ -120,6 +120,31 @@ def test_data_of_our_own_is_live(without_mujoco):
     assert data.time == 0.0
 
 
+@pytest.mark.parametrize(
+    "way",
+    [lambda env: env, copy.copy, copy.deepcopy, lambda env: pickle.loads(pickle.dumps(env))],
+    ids=["itself", "copy", "deepcopy", "pickle"],
+)
+@pytest.mark.parametrize("name", ["time", "qpos", "qvel", "qacc_warmstart"])
+def test_each_part_that_is_written_is_where_the_next_step_starts(name, way, without_mujoco):
+    env, twin = made("Hopper-v5"), made("Hopper-v5")
+    for e in (env, twin):
+        e.reset(seed=1)
+        e.step(np.ones(3, np.float32))
+    assert env.get_state() == twin.get_state()
+    written = getattr(env.data, name) + 0.25
+    setattr(env.data, name, written)
+    assert env.get_state() != twin.get_state()
+    env = way(env)
+    # what was written once is not written again
+    for steps in (1, 2):
+        env.step(np.ones(3, np.float32))
+        twin.step(np.ones(3, np.float32))
+        later = twin.data.time + 0.25 * (name == "time")
+        assert env.data.time == pytest.approx(later, abs=1e-12), steps
+    assert np.array_equal(env.data.qpos, twin.data.qpos) == (name == "time")
+
+
 @pytest.mark.parametrize("limits", [(0.6, np.inf), (-np.inf, 0.6), [-np.inf, np.inf], np.array([0.6, np.inf])], ids=str)
 def test_ranges_may_be_open(limits):
     env = made("Ant-v5", healthy_z_range=limits)

@@ -115,6 +115,54 @@ def test_specs_of_dm_env() -> None:
         spec_of(spaces.Sequence(spaces.Discrete(2)))
 
 
+def test_observations_fit_their_specs_in_dm_env() -> None:
+    """Each kind of space, alone and within others, with numbers of Python and with arrays of another type."""
+    pytest.importorskip("dm_env")
+    import rustgym.dm_env
+
+    class Given(gymnasium.Env[Any, Any]):
+        action_space = spaces.Discrete(2)
+
+        def __init__(self, space: spaces.Space[Any], element: Any) -> None:
+            self.observation_space, self.element = space, element
+
+        def reset(self, *, seed: int | None = None, options: Any = None) -> tuple[Any, dict[str, Any]]:
+            return self.element, {}
+
+        def step(self, action: Any) -> tuple[Any, float, bool, bool, dict[str, Any]]:
+            return self.element, 1.0, False, False, {}
+
+    def check(spec: Any, seen: Any) -> None:
+        if isinstance(spec, dict):
+            assert list(spec) == list(seen)
+            for key, part in spec.items():
+                check(part, seen[key])
+        elif isinstance(spec, tuple):
+            assert len(spec) == len(seen)
+            for part, one in zip(spec, seen, strict=True):
+                check(part, one)
+        else:
+            spec.validate(seen)
+
+    kinds: list[tuple[spaces.Space[Any], Any]] = [
+        (spaces.Discrete(5, start=-1), 3),
+        (spaces.Box(0.0, 9.0, (2,), np.float32), [1.0, 2.5]),
+        (spaces.Box(0, 9, (1, 2), np.uint8), np.array([[1, 2]])),
+        (spaces.MultiDiscrete([3, 5]), (2, 4)),
+        (spaces.MultiBinary(2), [True, False]),
+        (spaces.Text(4), "abc"),
+    ]
+    every, element = spaces.Tuple([space for space, _ in kinds]), tuple(value for _, value in kinds)
+    both = spaces.Dict({"x": every, "in": spaces.Dict({"a": kinds[0][0], "b": kinds[1][0]})})
+    kinds += [(every, element), (both, {"x": element, "in": {"a": 3, "b": [1.0, 2.5]}})]
+    for space, value in kinds:
+        env = rustgym.dm_env.Environment(Given(space, value), seed=1)
+        spec = env.observation_spec()
+        for step in (env.reset(), env.step(1)):
+            check(spec, step.observation)
+            assert np.array_equal(spaces.flatten(space, step.observation), spaces.flatten(space, value)), space
+
+
 def _chunks(png: bytes) -> list[tuple[bytes, bytes]]:
     found, at = [], 8
     while at < len(png):

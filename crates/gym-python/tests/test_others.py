@@ -1,4 +1,4 @@
-"""Each argument and option at other values: what is refused, in which words, and what the others do.
+"""Arguments, options and parts of stored episodes at other values: what is refused, in which words, and what the others do.
 
 After an intended change, read what differs, and store it with `GYM_UPDATE_KEPT=1 pytest test_others.py`.
 """
@@ -6,6 +6,7 @@ After an intended change, read what differs, and store it with `GYM_UPDATE_KEPT=
 from __future__ import annotations
 
 import hashlib
+import json
 import os
 import re
 from collections.abc import Callable
@@ -222,14 +223,71 @@ def told(family: str) -> list[str]:
     return told.lines
 
 
-@pytest.mark.parametrize("family", FAMILIES)
-def test_other_values_are_refused_or_played_as_kept(family: str) -> None:
-    lines, kept = told(family), KEPT / f"{family}.txt"
+def compare(name: str, lines: list[str]) -> None:
+    kept = KEPT / f"{name}.txt"
     if "GYM_UPDATE_KEPT" in os.environ:
         kept.parent.mkdir(exist_ok=True)
         kept.write_text("\n".join(lines) + "\n")
     for found, line in zip(lines, kept.read_text().splitlines(), strict=True):
         assert found == line
+
+
+@pytest.mark.parametrize("family", FAMILIES)
+def test_other_values_are_refused_or_played_as_kept(family: str) -> None:
+    compare(family, told(family))
+
+
+def places(part: Any, path: tuple[Any, ...], name: str, found: dict[str, list[tuple[Any, ...]]]) -> None:
+    """Adds the paths to the parts of a stored episode, by their names."""
+    if isinstance(part, dict):
+        for key in part:
+            places(part[key], (*path, key), f"{name} {key}", found)
+    elif isinstance(part, list) and part:
+        for i, item in enumerate(part):
+            places(item, (*path, i), name, found)
+    else:
+        found.setdefault(name, []).append(path)
+
+
+def stored(env_id: str) -> str:
+    """How many parts a stored episode has, how many of those may be others, and a digest of how it then goes on."""
+    env, digest, taken = rustgym.Env(env_id), Digest(), set()
+    env.reset(seed=3)
+    env.action_space.seed(1)
+    for _ in range(8):
+        result = env.step(env.action_space.sample())
+        if result[2] or result[3]:
+            env.reset()
+    state = json.loads(env.get_state())
+    found: dict[str, list[tuple[Any, ...]]] = {}
+    places(state, (), "", found)
+    for name, paths in found.items():
+        for path in dict.fromkeys((paths[0], paths[-1])):
+            holder = state
+            for key in path[:-1]:
+                holder = holder[key]
+            usual = holder[path[-1]]
+            for other in (99, -1, 1e30, None, True, False, []):
+                holder[path[-1]] = other
+                try:
+                    env.set_state(json.dumps(state))
+                except Exception as error:
+                    digest.add([name, repr(other), type(error).__name__])
+                else:
+                    taken.add(name)
+                    env.action_space.seed(2)
+                    digest.add([name, repr(other)])
+                    try:
+                        digest.add(env.step(env.action_space.sample())[:4])
+                    except Exception as error:
+                        digest.add(f"{type(error).__name__}: {error}")
+            holder[path[-1]] = usual
+    return f"{env_id}: {len(found)} {len(taken)} {digest}"
+
+
+@pytest.mark.parametrize("family", ["classic", "toytext"])
+def test_stored_episodes_with_another_part_are_refused_or_go_on_as_kept(family: str) -> None:
+    compare(f"{family}_stored", [stored(spec["id"]) for spec in kinds()[family]])
 
 
 @pytest.mark.parametrize("family", FAMILIES)

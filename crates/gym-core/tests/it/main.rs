@@ -10,6 +10,7 @@ mod groups;
 mod limits;
 mod lockstep;
 mod made;
+mod parts;
 mod rare;
 mod refusals;
 mod reused;

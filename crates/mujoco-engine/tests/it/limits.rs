@@ -140,6 +140,40 @@ fn the_last_that_fits_is_read_and_the_next_is_refused() {
     }
 }
 
+/// Two sections of a name have no more elements than one.
+#[test]
+fn limits_hold_for_all_sections_of_a_name_together() {
+    let tendon = "<fixed><joint joint=\"j\" coef=\"1\"/><joint joint=\"k\" coef=\"1\"/></fixed>";
+    for (section, element, most, words) in [
+        (
+            "contact",
+            "<exclude body1=\"a\" body2=\"a\"/>",
+            4000,
+            "more than 4000 excludes",
+        ),
+        ("actuator", "<motor/>", 4000, "more than 4000 actuators"),
+        ("sensor", "<clock/>", 4000, "more than 4000 sensors"),
+        (
+            "asset",
+            "<material name=\"m\"/>",
+            4000,
+            "more than 4000 materials",
+        ),
+        ("tendon", tendon, 2000, "more than 4000 parts of tendons"),
+        ("keyframe", "<key/>", 1000, "more than 1000 keys"),
+    ] {
+        let is_told = |counts: [usize; 2]| {
+            let parts = counts.map(|n| format!("<{section}>{}</{section}>", element.repeat(n)));
+            let text = format!("<mujoco>{}</mujoco>", parts.concat());
+            Model::from_xml(&text).is_err_and(|error| error.to_string().contains(words))
+        };
+        for counts in [[1, most], [most, 1]] {
+            assert!(is_told(counts), "{words}: {counts:?}");
+        }
+        assert!(!is_told([most - 1, 1]), "{words}");
+    }
+}
+
 /// Matrices are counted before they are allocated: joints that follow one another fill the inertia
 /// matrix, and rows of constraints have a number for each degree of freedom.
 #[test]

@@ -22,6 +22,7 @@ mod inlined;
 mod iterations;
 mod language;
 mod limits;
+mod lookup;
 mod memory;
 mod meshes;
 mod mjcf;

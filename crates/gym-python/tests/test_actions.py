@@ -189,3 +189,12 @@ def test_numbers_are_computed_with_as_gymnasium_computes_with_them(env_id: str, 
         results.append([env.step(FORMS[form])[:4] for _ in range(5)])
     assert_same(results[1], results[0], form)
     assert [type(step[1]) for step in results[0]] == [type(step[1]) for step in results[1]]
+
+
+@pytest.mark.parametrize("env_id", ["CartPole-v1", "Blackjack-v1", "Taxi-v4", "MiniGrid-Empty-5x5-v0"])
+def test_an_invalid_action_is_each_error_that_gymnasiums_environments_raise(env_id: str) -> None:
+    env = rustgym.Env(env_id)
+    env.reset(seed=3)
+    for kind in (gymnasium.error.InvalidAction, AssertionError, KeyError, IndexError, TypeError, ValueError):
+        with pytest.raises(kind):
+            env.step("left")

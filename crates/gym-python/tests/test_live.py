@@ -140,10 +140,13 @@ def test_changes_count_in_any_environment_of_a_vector(
     alone, envs = rustgym.Env(env_id), rustgym.VectorEnv(env_id, 2, kind="sync")
     alone.reset(seed=3 + index), envs.reset(seed=3)
     change(alone)
-    is_single = getattr(getattr(alone, "state", None), "dtype", None) == np.float32
-    if is_single or alone.arguments != rustgym.Env(env_id).arguments:
-        pytest.skip("vectors compute in `float64`, and their arguments are set otherwise")
-    change(envs.envs[index])
+    if getattr(getattr(alone, "state", None), "dtype", None) == np.float32:
+        pytest.skip("a vector computes in `float64`")
+    try:
+        change(envs.envs[index])
+    except gymnasium.error.Error as error:
+        assert str(error).endswith(" of an environment of a vector cannot be set: give it to the vector")
+        return
     envs = WAYS[way](envs)
     for action in [*actions, actions[0]]:
         expected, (observations, *parts) = alone.step(action), envs.step(np.stack([action, action]))
@@ -571,3 +574,56 @@ def test_a_taxi_points_where_it_was_driven_by_a_changed_table() -> None:
             env.render()
             results[-1].append(env.taxi_orientation)
     assert_same(*results)
+
+
+@pytest.mark.parametrize("kind", ["sync", "async"])
+@pytest.mark.parametrize("way", ["deep copy", "pickle"])
+@pytest.mark.parametrize(
+    ("env_id", "name"),
+    [
+        ("Acrobot-v1", "LINK_MASS_1"),
+        ("CartPole-v1", "gravity"),
+        ("MountainCar-v0", "gravity"),
+        ("MountainCarContinuous-v0", "power"),
+        ("Pendulum-v1", "g"),
+    ],
+)
+def test_arguments_of_each_environment_of_a_vector_are_copied(env_id: str, name: str, way: str, kind: str) -> None:
+    envs = rustgym.VectorEnv(env_id, 2, kind=kind)
+    envs.reset(seed=1)
+    values = [1.25 * value for value in envs.get_attr(name)]
+    values[1] *= 1.25
+    envs.set_attr(name, values)
+    twin = WAYS[way](envs)
+    assert list(twin.get_attr(name)) == list(envs.get_attr(name)) == values
+    for _ in range(2):
+        action = envs.action_space.sample()
+        assert_same(twin.step(action)[:4], envs.step(action)[:4])
+        twin = WAYS[way](twin)
+    assert_same(twin.reset()[0], envs.reset()[0])
+
+
+def test_flags_that_are_set_one_after_the_other_hold_together() -> None:
+    for order in (("natural", "sab"), ("sab", "natural")):
+        made: Any = rustgym.Env("Blackjack-v1", natural=True, sab=True)
+        env: Any = rustgym.Env("Blackjack-v1")
+        for e in (made, env):
+            e.reset(seed=5)
+        for name in order:
+            setattr(env, name, True)
+        assert env._native.arguments() == made._native.arguments() and env.arguments == made.arguments
+        for seed in range(20):
+            assert_same(env.reset(seed=seed), made.reset(seed=seed))
+            assert_same(env.step(1), made.step(1))
+
+
+def test_colours_that_are_set_are_those_that_are_changed_in_place() -> None:
+    colour = np.array([10, 20, 30])
+    for name in ("bg_color", "grass_color", "road_color"):
+        env, other = (rustgym.make("CarRacing-v3").unwrapped for _ in range(2))
+        for e in (env, other):
+            e.reset(seed=1)
+        setattr(env, name, colour.copy())
+        getattr(other, name)[:] = colour
+        assert_same(env.reset(seed=1)[0], other.reset(seed=1)[0], name)
+        assert_same(getattr(env, name), colour, name)

@@ -55,6 +55,19 @@ def _pixels(gray: bool, frame_stack: int) -> str:
     return json.dumps([{"name": name, "kwargs": kwargs} for name, kwargs in wrappers])
 
 
+class _Stored:
+    """A native vector whose environments may have arguments of their own; what is pickled or copied of it is a native vector."""
+
+    def __init__(self, vector: _native.Vector) -> None:
+        self._rebuild, (spec, copy, snapshot) = vector.__reduce__()
+        made, each = json.loads(spec), [json.loads(env.arguments()) for env in vector.envs()]
+        made["each"] = {**made.get("each", {}), **{name: [arguments[name] for arguments in each] for name in each[0]}}
+        self._parts = to_json(made), copy, snapshot
+
+    def __reduce__(self) -> tuple[Callable[..., Any], tuple[Any, ...]]:
+        return self._rebuild, self._parts
+
+
 class VectorEnv(gymnasium.vector.VectorEnv[Any, Any, Any]):
     """``num_envs`` environments of one id, stepped together in Rust without Python's lock.
 
@@ -107,6 +120,8 @@ class VectorEnv(gymnasium.vector.VectorEnv[Any, Any, Any]):
     # the environments, from the first read of `envs`, `get_attr` or a similar method
     _envs: tuple[Env, ...] | None = None
     _keeps_envs = False
+    # whether a user has done something with single environments, such as set an argument
+    _has_own = False
 
     def __init__(
         self,
@@ -376,6 +391,7 @@ class VectorEnv(gymnasium.vector.VectorEnv[Any, Any, Any]):
         for env in self._envs:
             env._push_into_vector()
         self._native.set_envs([env._native for env in self._envs])
+        self.__dict__["_has_own"] = True
 
     def _follow_envs(self, is_reset: bool) -> None:
         """Updates the environments that users hold after a step or reset."""
@@ -389,14 +405,19 @@ class VectorEnv(gymnasium.vector.VectorEnv[Any, Any, Any]):
         state = dict(self.__dict__)
         if self._steps_natively():
             del state["step"]
-        if self._envs is None:
-            return state
-        self._push_envs()
-        lasting = [env._lasting() for env in self._envs]
-        return {**state, "_envs": None, "_keeps_envs": False, "_lasting": lasting}
+        if self._envs is not None:
+            self._push_envs()
+            lasting = [env._lasting() for env in self._envs]
+            state |= {"_envs": None, "_keeps_envs": False, "_has_own": True, "_lasting": lasting}
+        if state.get("_has_own"):
+            state["_native"] = _Stored(self._native)
+        return state
 
     def __setstate__(self, state: dict[str, Any]) -> None:
         lasting = state.pop("_lasting", ())
+        if isinstance(state["_native"], _Stored):  # of `copy.copy`
+            rebuild, stored = state["_native"].__reduce__()
+            state["_native"] = rebuild(*stored)
         self.__dict__.update(state)
         self._watch()
         if any(lasting):

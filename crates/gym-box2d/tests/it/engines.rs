@@ -260,6 +260,64 @@ fn what_is_destroyed_is_gone() {
     }
 }
 
+/// A contact ends with one of its bodies, and by a joint that lets what it joins overlap.
+#[test]
+fn a_contact_that_cannot_be_has_ended() {
+    for &physics in ENGINES {
+        let stacked = || {
+            let mut world = over_ground(physics);
+            let stack = [0.5, 1.5].map(|y| {
+                let body = world.create_body(&BodyDef::dynamic(v(0.0, y), 0.0));
+                world.create_fixture(body, &block(0.5, 0.5));
+                body
+            });
+            for _ in 0..20 {
+                step(&mut world);
+            }
+            (world, stack)
+        };
+        let ended = |world: &World| -> Vec<[BodyId; 2]> {
+            let events = world.contact_events().iter();
+            events
+                .filter(|event| !event.begin)
+                .map(|event| event.bodies)
+                .collect()
+        };
+        let (mut world, [lower, upper]) = stacked();
+        world.destroy_body(lower);
+        let told = ended(&world);
+        assert_eq!(told.len(), 2, "{physics:?}: {told:?}");
+        assert!(
+            told.iter().all(|bodies| bodies.contains(&lower)),
+            "{physics:?}"
+        );
+        assert!(
+            told.iter().any(|bodies| bodies.contains(&upper)),
+            "{physics:?}"
+        );
+        for collide_connected in [false, true] {
+            let (mut world, [lower, upper]) = stacked();
+            world.create_revolute_joint(&RevoluteJointDef {
+                body_a: lower,
+                body_b: upper,
+                local_anchor_a: v(0.0, 0.5),
+                local_anchor_b: v(0.0, -0.5),
+                limits: None,
+                motor: false,
+                motor_speed: 0.0,
+                max_motor_torque: 0.0,
+                collide_connected,
+            });
+            step(&mut world);
+            let told = ended(&world);
+            let between = told
+                .iter()
+                .any(|bodies| bodies.contains(&lower) && bodies.contains(&upper));
+            assert_eq!(between, !collide_connected, "{physics:?}: {told:?}");
+        }
+    }
+}
+
 /// A motor reaches zero torque, reverses or reaches full torque within one step. rapier limits the
 /// change of a motor's impulse to the same range in both directions: a motor that started from its
 /// last impulse could not reach zero in one step.

@@ -42,6 +42,8 @@ impl Box2d {
         let bodies = self.bodies.iter().all(|(id, body)| {
             has(&self.fixtures, body.fixtures.as_slice())
                 && body.dynamic == self.dynamic.contains(&id)
+                // between steps no island has a fixed body
+                && (body.dynamic || !body.island)
         });
         let fixtures = self.fixtures.iter().all(|(id, fixture)| {
             // every list of fixtures ends: at most one fixture has `id` as its `next`

@@ -189,7 +189,8 @@ impl<'a> Stage<'a> {
         ));
         rows.text(&format!("reward {}", short(session.reward)));
         rows.text(&format!("return {}", short(session.score)));
-        rows.note("Space pauses, . steps, R restarts, 0 clears, Escape quits");
+        rows.note("Space pauses, . steps, R restarts");
+        rows.note("0 clears, Escape quits");
         rows.note("drag turns the camera, the wheel moves it");
         let run = if self.is_paused { "Run" } else { "Pause" };
         match rows.buttons(&[run, "Step", "Reset", "all to zero"], |_| false) {
@@ -249,7 +250,7 @@ pub(super) fn play(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use gym::render::Pointer;
+    use gym::render::{DrawLog, Pointer};
 
     #[test]
     fn actions_of_robots_have_sliders_with_the_names_of_the_registration() {
@@ -347,5 +348,85 @@ mod tests {
         assert!(pass(&mut stage, wheel, &[], 0) != turned);
         input.follow(idle, vec!["Escape".to_owned()]);
         assert!(!stage.update(&input, 0, &mut frame).unwrap());
+    }
+
+    /// The texts of the panel.
+    fn texts(stage: &mut Stage<'_>) -> String {
+        let area = Area {
+            min: (0, 0),
+            size: (320, 900),
+        };
+        let log = DrawLog::of(|canvas| {
+            let input = Input::default();
+            Panel::default().rows(area, &input, canvas, |rows| {
+                stage.rows(rows, &input).unwrap();
+            });
+        });
+        let log = log.to_string();
+        let quoted = log.lines().filter_map(|line| line.split('"').nth(1));
+        quoted.collect::<Vec<_>>().join(" | ")
+    }
+
+    #[test]
+    fn the_panel_says_where_the_game_is() {
+        let arguments: Arguments = inputs::parsed("InvertedPendulum-v5 --seed 1");
+        let mut session = Session::start(&arguments).unwrap();
+        let keys = Keys::new(json!({}));
+        let sliders = sliders(&session.trace.id, &session.env).unwrap();
+        let mut stage = Stage::new(&mut session, &keys, sliders);
+        let (mut frame, mut input) = (Frame::new(900, 480).unwrap(), Input::default());
+        let [keys, drag] = [
+            "Space pauses, . steps, R restarts | 0 clears, Escape quits",
+            "drag turns the camera, the wheel moves it",
+        ];
+        let panel = |place: &str, gained: [f64; 2], run: &str, value: &str| {
+            let [reward, score] = gained.map(short);
+            format!(
+                "InvertedPendulum-v5 | {place} | reward {reward} | return {score} | {keys} | {drag} | {run} | Step | \
+                 Reset | all to zero | Action | force of slide (100 N) | {value}"
+            )
+        };
+        let expected = panel("episode 1, step 0", [0.0, 0.0], "Pause", "0");
+        assert_eq!(texts(&mut stage), expected);
+        stage.sliders[0].value = 0.25;
+        assert!(stage.update(&input, 2, &mut frame).unwrap());
+        let expected = panel("episode 1, step 2", [1.0, 2.0], "Pause", "0.250");
+        assert_eq!(texts(&mut stage), expected);
+        input.follow(Pointer::default(), vec!["Space".to_owned()]);
+        assert!(stage.update(&input, 2, &mut frame).unwrap());
+        let expected = panel("episode 1, step 2", [1.0, 2.0], "Run", "0.250");
+        assert_eq!(texts(&mut stage), expected);
+        stage.reset().unwrap();
+        let expected = panel("episode 2, step 0", [0.0, 0.0], "Run", "0.250");
+        assert_eq!(texts(&mut stage), expected);
+    }
+
+    /// A square picture and a wide one, in the middle of an area of another shape.
+    #[test]
+    fn the_picture_is_that_of_the_environment() {
+        for id in ["InvertedPendulum-v5", "dm_control/cartpole-balance-v0"] {
+            let arguments: Arguments = inputs::parsed(&format!("{id} --seed 1"));
+            let mut session = Session::start(&arguments).unwrap();
+            let keys = Keys::new(json!({}));
+            let sliders = sliders(&session.trace.id, &session.env).unwrap();
+            let mut stage = Stage::new(&mut session, &keys, sliders);
+            let mut window = Frame::new(760, 300).unwrap();
+            assert!(stage.update(&Input::default(), 0, &mut window).unwrap());
+            let (width, height) = stage.session.env.metadata().render_size;
+            let wide = (300 * width / height).min(440);
+            let high = wide * height / width;
+            let builder = gym::builder(id).render_mode(gym::render::RenderMode::RgbArray);
+            let mut env = builder.render_size(wide, high).build().unwrap();
+            env.reset(1).unwrap();
+            let picture = env.render().unwrap().into_frame().unwrap();
+            let [left, top] = [(440 - wide) / 2, (300 - high) / 2].map(|side| side as usize);
+            for (y, row) in picture.pixels().chunks(3 * wide as usize).enumerate() {
+                let start = 3 * (760 * (top + y) + left);
+                assert!(
+                    window.pixels()[start..start + row.len()] == *row,
+                    "{id}, row {y}"
+                );
+            }
+        }
     }
 }

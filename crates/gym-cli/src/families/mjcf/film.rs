@@ -163,3 +163,27 @@ impl<'a> Film<'a> {
         Ok(format!("{path}: {width}x{height} pixels"))
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_size_is_two_numbers_up_to_the_largest() {
+        for (text, size) in [
+            ("1x8192", Some((1, 8192))),
+            ("8192x1", Some((8192, 1))),
+            ("0x9", None),
+            ("9x0", None),
+            ("8193x9", None),
+            ("9x8193", None),
+            ("9", None),
+            ("9x", None),
+            ("9x9x9", None),
+            ("-9x9", None),
+        ] {
+            let refusal = "a size is such as 480x360, of at most 8192x8192 pixels";
+            assert_eq!(parse_size(text), size.ok_or(refusal.to_owned()), "{text}");
+        }
+    }
+}

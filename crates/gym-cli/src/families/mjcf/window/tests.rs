@@ -1,7 +1,9 @@
+use std::path::Path;
 use std::sync::Arc;
 
-use gym::render::Pointer;
+use gym::render::{DrawLog, Pointer};
 use gym::sim::engine::Model;
+use gym_testing::kept;
 
 use super::*;
 
@@ -379,4 +381,74 @@ fn slow_pictures_are_rougher() {
     assert_eq!(desk.live.viewer.samples, 3);
     desk.key("Space");
     assert_eq!(desk.live.viewer.samples, 1);
+}
+
+/// The texts of the panel, of the picture's label and of the keys, with their places and colours: at
+/// first, then those that each act changes. After an intended change, look at a live window, then store them with
+/// `GYM_UPDATE_KEPT=1 cargo test --package gym-cli --features families --lib window`.
+#[test]
+fn what_a_window_says_is_as_kept() {
+    let mut desk = Desk::new();
+    let (mut told, mut before) = (String::new(), Vec::new());
+    let mut tell = |desk: &mut Desk, act: &str| {
+        let area = Area {
+            min: (0, 0),
+            size: (320, 2000),
+        };
+        let live = &mut desk.live;
+        let log = DrawLog::of(|canvas| {
+            Panel::default().rows(area, &Input::default(), canvas, |rows| live.panel(rows));
+            label(&live.viewer, (960, 720), canvas);
+            if live.helps {
+                help((960, 720), canvas);
+            }
+        });
+        let texts = log.to_string();
+        let texts = texts
+            .lines()
+            .map(str::trim)
+            .filter(|line| line.starts_with("text"));
+        let texts: Vec<String> = texts.map(str::to_owned).collect();
+        told += &format!("# {act}\n");
+        for text in texts.iter().filter(|text| !before.contains(*text)) {
+            told += &format!("{text}\n");
+        }
+        before = texts;
+    };
+    tell(&mut desk, "the first frame");
+    desk.key("Minus");
+    for _ in 0..40 {
+        desk.up();
+    }
+    tell(&mut desk, "half the speed, for half a second");
+    desk.key("Equal");
+    desk.key("Equal");
+    for _ in 0..20 {
+        desk.live
+            .update(&desk.input, 0.04, || false, &mut desk.frame)
+            .unwrap();
+    }
+    tell(&mut desk, "twice the speed, for which there is no time");
+    desk.key("Space");
+    tell(&mut desk, "paused");
+    let ball = desk.ball();
+    desk.drag(LEFT, &[ball], &[]);
+    desk.up();
+    desk.key("T");
+    desk.key("C");
+    desk.key("F");
+    tell(&mut desk, "a body is followed, with contacts and forces");
+    desk.click("high");
+    desk.click("top");
+    let at = desk.place("pull", 0.75);
+    desk.drag(LEFT, &[at], &[]);
+    desk.up();
+    tell(&mut desk, "a keyframe, a camera and a control");
+    desk.key("K");
+    desk.live.error = Some("it cannot go on".to_owned());
+    tell(&mut desk, "the next keyframe, and an error");
+    desk.key("Slash");
+    tell(&mut desk, "the keys");
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR"));
+    kept(&folder.join("src/families/mjcf/window.txt"), &told);
 }

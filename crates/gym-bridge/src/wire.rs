@@ -385,6 +385,8 @@ mod tests {
                 let ended = Reader::new(&mut &bytes[..cut], bytes.len() as u64).value();
                 assert!(ended.is_none(), "{value:?}, whose stream ends at {cut}");
             }
+            let longer = [&bytes[..], &[NULL]].concat();
+            assert!(decoded(&longer).is_none(), "{value:?} and a byte more");
             for i in 0..bytes.len() {
                 for byte in [0, 1, 6, 7, 8, 255] {
                     let mut damaged = bytes.clone();

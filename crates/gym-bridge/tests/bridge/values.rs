@@ -4,7 +4,7 @@ use std::process::Command;
 
 use gym_core::render::{RenderMode, Rendered};
 use gym_core::vector::{Columns, VectorKind};
-use gym_core::{Env, EnvExt, Reset, Value};
+use gym_core::{Env, EnvExt, Error, Reset, Space, Value};
 
 use crate::{MODULE, bridge, echo, has, python, widens};
 
@@ -38,6 +38,7 @@ fn elements_of_every_space_go_there_and_come_back() {
         "arrays",
         "nested",
         "nodes",
+        "namesakes",
     ] {
         let mut env = echo(kind)
             .build()
@@ -256,6 +257,72 @@ fn numbers_keep_their_precision() {
         error.contains("the observation array(['a', 'b']") && !error.contains("raised"),
         "{error}"
     );
+}
+
+/// An element of another space is no action, unless it is an array that Python would cast.
+#[test]
+fn actions_of_other_kinds_and_shapes_are_refused_before_they_are_sent() {
+    if !has(&["gymnasium"]) {
+        return;
+    }
+    let floats = |n: usize| Value::Tuple(vec![Value::Float(0.5); n]);
+    let mut actions = vec![
+        Value::Null,
+        Value::Bool(true),
+        Value::Float(0.5),
+        Value::Int(99),
+    ];
+    actions.extend([floats(0), floats(1), floats(2), floats(3), floats(6)]);
+    let row = |length: usize| Value::Array(vec![0.5; length].into());
+    actions.extend([
+        row(0),
+        row(2),
+        row(6),
+        Value::Array([f64::INFINITY; 2].into()),
+    ]);
+    let kinds = [
+        "box",
+        "number",
+        "picture",
+        "half_bounded",
+        "discrete",
+        "shifted",
+        "grid",
+        "bits",
+        "letters",
+        "tuple",
+        "dict",
+        "sequence",
+        "nested",
+    ];
+    let mut envs = kinds.map(|kind| echo(kind).build().unwrap());
+    for env in &mut envs {
+        env.reset(1).unwrap();
+        actions.push(env.action_sampler(3).unwrap().sample());
+    }
+    for (kind, env) in kinds.iter().zip(&mut envs) {
+        let space = env.action_space();
+        for action in &actions {
+            let fits = match (&space, action) {
+                (Space::Box(space), Value::Array(array)) => {
+                    let is_cast = space.dtype().is_float() || array.dtype() == space.dtype();
+                    is_cast && array.shape() == space.shape() && array.is_finite()
+                }
+                (Space::Box(space), Value::Tuple(items)) => {
+                    let is_float = |item: &Value| item.as_float().is_some();
+                    space.dtype().is_float()
+                        && space.shape() == [items.len()]
+                        && items.iter().all(is_float)
+                }
+                (space, action) => space.contains(action),
+            };
+            match env.step(action) {
+                Ok(_) => assert!(fits, "{kind} takes {action:?}"),
+                Err(Error::InvalidAction { .. }) => assert!(!fits, "{kind} refuses {action:?}"),
+                Err(error) => panic!("{kind}, {action:?}: {error}"),
+            }
+        }
+    }
 }
 
 /// Bounds may change at a reset; shapes and dtypes may not.

@@ -35,6 +35,8 @@ SPACES = {
     "arrays": spaces.Sequence(spaces.Box(0.0, 1.0, (2,), np.float32)),
     "nested": spaces.Dict({"b": spaces.Tuple((spaces.Discrete(2), spaces.MultiBinary(2))), "a": spaces.Dict({"c": spaces.Discrete(3)})}),
     "nodes": spaces.Graph(spaces.Discrete(3), None),
+    # classes of one name
+    "namesakes": spaces.Tuple((type("Mine", (spaces.Discrete,), {})(3), type("Mine", (spaces.MultiBinary,), {})(2))),
 }
 
 

@@ -19,9 +19,11 @@ use gym_testing::{Digest, kept};
 
 /// An environment that observes samples of a space, and shows the last action in its infos.
 #[derive(Clone, Debug)]
-struct Echo {
+pub(crate) struct Echo {
     observed: Space,
     taken: Space,
+    /// The space of which it observes samples, though it claims `observed`.
+    shown: Space,
     length: u64,
     steps: u64,
     last: Value,
@@ -29,9 +31,10 @@ struct Echo {
 }
 
 impl Echo {
-    fn new(observed: &Space, taken: &Space, length: u64) -> Self {
+    pub(crate) fn new(observed: &Space, taken: &Space, length: u64) -> Self {
         Self {
             observed: observed.clone(),
+            shown: observed.clone(),
             taken: taken.clone(),
             length,
             steps: 0,
@@ -40,8 +43,21 @@ impl Echo {
         }
     }
 
+    /// The same, which observes samples of another space than the one it claims.
+    pub(crate) fn showing(self, shown: &Space) -> Self {
+        Self {
+            shown: shown.clone(),
+            ..self
+        }
+    }
+
+    /// The last action that it received.
+    pub(crate) fn last(&self) -> &Value {
+        &self.last
+    }
+
     fn observe(&self, observation: &mut Value) {
-        self.observed
+        self.shown
             .sampler(100 * self.length + self.steps)
             .sample_into(observation);
     }
@@ -95,7 +111,7 @@ impl Env for Echo {
     }
 }
 
-fn spaces() -> Vec<Space> {
+pub(crate) fn spaces() -> Vec<Space> {
     let boxed = |low: f64, high: f64, shape: &[usize], dtype| {
         Space::from(BoxSpace::uniform(low, high, shape, dtype).unwrap())
     };
@@ -123,7 +139,7 @@ fn spaces() -> Vec<Space> {
 }
 
 /// Wrappers, each with arguments that fit some of the spaces.
-const WRAPPERS: &[(&str, &[&str])] = &[
+pub(crate) const WRAPPERS: &[(&str, &[&str])] = &[
     ("Autoreset", &["{}"]),
     ("ClipAction", &["{}"]),
     (
@@ -254,7 +270,7 @@ const WRAPPERS: &[(&str, &[&str])] = &[
     ("TimeLimit", &[r#"{"max_episode_steps": 3}"#]),
 ];
 
-fn spec(name: &str, kwargs: &str) -> WrapperSpec {
+pub(crate) fn spec(name: &str, kwargs: &str) -> WrapperSpec {
     WrapperSpec {
         name: name.into(),
         kwargs: serde_json::from_str(kwargs).unwrap(),
@@ -297,7 +313,7 @@ fn answers(env: &mut BoxEnv, actions: &[Value]) -> Vec<String> {
 }
 
 /// A short sum of texts.
-fn sum(texts: &[String]) -> String {
+pub(crate) fn sum(texts: &[String]) -> String {
     let mut digest = Digest::default();
     texts.iter().for_each(|text| digest.bytes(text.as_bytes()));
     digest.finish()[..12].to_owned()

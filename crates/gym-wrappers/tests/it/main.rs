@@ -2,6 +2,7 @@
 
 mod around;
 mod episodes;
+mod given;
 mod registered;
 mod restores;
 mod reverts;

@@ -205,7 +205,10 @@ mod tests {
             y: [-1.0, 0.0],
             origin: [0.0, 0.0],
         };
-        let calls: [&dyn Fn(&mut Calls); 29] = [
+        let cubic = Segment::Cubic([0.0; 2], [1.0; 2], [2.0; 2]);
+        let (curved, begun) = ([cubic, Segment::Close], [Segment::Close, cubic]);
+        let near = [[0.0, 1.0_f64.next_up()], [2.0, 3.0]];
+        let calls: [&dyn Fn(&mut Calls); 32] = [
             &|calls| calls.clear(black),
             &|calls| calls.clear(black.alpha(7)),
             &|calls| calls.fill(Shape::Polygon(&points), black),
@@ -233,6 +236,9 @@ mod tests {
             &|calls| calls.fill(Shape::Path(&wide), black),
             &|calls| calls.fill(Shape::Path(&high), black),
             &|calls| calls.fill(Shape::Path(&closed), black),
+            &|calls| calls.fill(Shape::Path(&curved), black),
+            &|calls| calls.fill(Shape::Path(&begun), black),
+            &|calls| calls.fill(Shape::Polygon(&near), black),
             &|calls| calls.push(turned),
             &|calls| calls.push(Transform::IDENTITY),
             &|calls| calls.pop(),

@@ -107,3 +107,28 @@ twists! {
         }
     }
 }
+
+// entries that are not neighbours, and numbers next to a range
+twists! {
+    "info-consistent.apart" TellsTwiceApart {
+        fn info(_: &Of<Self>, visit: &mut dyn FnMut(&str, Value)) {
+            for key in ["place", "way", "place"] {
+                visit(key, Value::Int(0));
+            }
+        }
+    }
+
+    "action-validated.below" TakesTheNumberBelow {
+        fn step(env: &mut Of<Self>, action: &Value, observation: &mut Value) -> Result<Outcome> {
+            let is_below = *action == Value::Int(-1);
+            env.walk.step_into(if is_below { &Value::Int(0) } else { action }, observation)
+        }
+    }
+
+    "action-validated.above" TakesTheNumberAbove {
+        fn step(env: &mut Of<Self>, action: &Value, observation: &mut Value) -> Result<Outcome> {
+            let is_above = *action == Value::Int(2);
+            env.walk.step_into(if is_above { &Value::Int(1) } else { action }, observation)
+        }
+    }
+}

@@ -57,9 +57,15 @@ enum Fault {
     OwnSnapshot,
     /// A reset of some sub-environments is refused.
     Masked,
+    /// One column says otherwise of the last sub-environment: its own kind of column each.
+    Observations,
+    Terminated,
+    Truncated,
+    HasFinal,
+    Progress,
 }
 
-const FAULTS: [Fault; 26] = [
+const FAULTS: [Fault; 31] = [
     Fault::None,
     Fault::Final,
     Fault::Mask,
@@ -86,6 +92,11 @@ const FAULTS: [Fault; 26] = [
     Fault::NoActions,
     Fault::OwnSnapshot,
     Fault::Masked,
+    Fault::Observations,
+    Fault::Terminated,
+    Fault::Truncated,
+    Fault::HasFinal,
+    Fault::Progress,
 ];
 
 struct Vector {
@@ -117,6 +128,48 @@ fn vector<const F: usize>(spec: &VectorSpec) -> Result<Box<dyn VectorEnv>> {
         is_closed: false,
         is_restored: false,
     }))
+}
+
+/// Changes the last entry of a column.
+fn spoil(fault: Fault, columns: &mut Columns) {
+    let flip = |column: &mut Vec<bool>| {
+        if let Some(last) = column.last_mut() {
+            *last ^= true;
+        }
+    };
+    match fault {
+        Fault::Observations => {
+            let numbers: Vec<f32> = match &columns.observations {
+                Value::Array(array) => array.iter_f64().map(|x| x as f32).collect(),
+                _ => return,
+            };
+            let n = columns.rewards.len();
+            let rows = numbers
+                .chunks((numbers.len() / n.max(1)).max(1))
+                .map(<[f32]>::to_vec);
+            let mut rows: Vec<Vec<f32>> = rows.collect();
+            if let Some(x) = rows.last_mut().and_then(|row| row.last_mut()) {
+                *x = x.next_up();
+            }
+            let shape = [n, rows.first().map_or(0, Vec::len)];
+            let data = gym_core::Data::F32(rows.concat());
+            if let Ok(array) = gym_core::Array::new(&shape, data) {
+                columns.observations = Value::Array(array);
+            }
+        }
+        Fault::Terminated => flip(&mut columns.terminated),
+        Fault::Truncated => flip(&mut columns.truncated),
+        Fault::HasFinal => flip(&mut columns.has_final),
+        Fault::Progress => {
+            if let Some(last) = columns.progress.last_mut() {
+                *last = match *last {
+                    Progress::Started => Progress::Stepped,
+                    _ => Progress::Started,
+                };
+            }
+        }
+        _ => {}
+    }
 }
 
 impl VectorWrapper for Vector {
@@ -232,7 +285,7 @@ impl VectorWrapper for Vector {
                     *reward *= 2.0;
                 }
             }
-            _ => {}
+            fault => spoil(fault, columns),
         }
         Ok(())
     }
@@ -319,4 +372,9 @@ register! {
     "vector-equal.no-actions" = 23;
     "vector-equal.own-snapshot" = 24;
     "vector-equal.masked" = 25;
+    "vector-equal.observations" = 26;
+    "vector-equal.terminated" = 27;
+    "vector-equal.truncated" = 28;
+    "vector-equal.has-final" = 29;
+    "vector-equal.progress" = 30;
 }

@@ -4,5 +4,6 @@ mod bites;
 mod matching;
 mod recorded;
 mod told;
+mod unusual;
 mod wrapped;
 mod wrong_wrappers;

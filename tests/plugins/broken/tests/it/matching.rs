@@ -5,7 +5,7 @@ use gym_conform::{InfoComparison, Matching, environments_match};
 use gym_core::canvas::{Canvas, Color};
 use gym_core::render::RenderMode;
 use gym_core::wrappers::Render;
-use gym_core::{BoxEnv, Env, Outcome, Reset, Result, Space, Value};
+use gym_core::{BoxEnv, Env, EnvExt, Outcome, Reset, Result, Space, Value};
 use gym_render as _;
 
 /// The difference between the two walks.
@@ -328,4 +328,74 @@ fn the_seed_chooses_the_actions() {
     for seed in [0, 1, 7] {
         assert_eq!(actions(seed), drawn(seed), "seed {seed}");
     }
+}
+
+/// The first environment's part stands first.
+#[test]
+fn a_difference_tells_what_both_did() {
+    let told = |otherwise: Otherwise, is_first: bool| {
+        let (a, b) = match is_first {
+            true => (otherwise, Otherwise::Nothing),
+            false => (Otherwise::Nothing, otherwise),
+        };
+        let text = difference(a, b, Matching::default()).unwrap();
+        let text = text.strip_prefix("the environments differ in ");
+        text.unwrap_or_default().to_owned()
+    };
+    let mut env = env(Otherwise::Nothing);
+    let mut actions = env.action_space().sampler(0);
+    let first = env.reset(0).unwrap();
+    let step = [(); 2].map(|()| env.step(&actions.sample()).unwrap())[1].clone();
+    let (other, info) = (elsewhere(), |steps: i64| {
+        format!("{{\"steps\": Int({steps})}}")
+    });
+    let more = "{\"more\": Bool(true), \"steps\": Int(0)}".to_owned();
+    for (otherwise, place, [own, others]) in [
+        (
+            Otherwise::ActionSpace,
+            "the action space",
+            ["Discrete(2)".to_owned(), "Discrete(1)".to_owned()],
+        ),
+        (
+            Otherwise::Reset,
+            "the observation of reset",
+            [first.to_string(), other.to_string()],
+        ),
+        (
+            Otherwise::Observation,
+            "the observation of step 1",
+            [step.observation.to_string(), other.to_string()],
+        ),
+        (
+            Otherwise::Reward,
+            "the reward of step 1",
+            [step.reward, step.reward + 1.0].map(|reward| reward.to_string()),
+        ),
+        (
+            Otherwise::Terminated,
+            "`terminated` of step 1",
+            [step.terminated, !step.terminated].map(|ended| ended.to_string()),
+        ),
+        (
+            Otherwise::Truncated,
+            "`truncated` of step 1",
+            [step.truncated, !step.truncated].map(|ended| ended.to_string()),
+        ),
+        (
+            Otherwise::InfoValue,
+            "the info of reset",
+            [info(0), info(-1)],
+        ),
+        (Otherwise::InfoKey, "the info of reset", [info(0), more]),
+    ] {
+        assert_eq!(
+            told(otherwise, false),
+            format!("{place}: {own} and {others}")
+        );
+        assert_eq!(
+            told(otherwise, true),
+            format!("{place}: {others} and {own}")
+        );
+    }
+    assert_eq!(told(Otherwise::Picture, true), "the picture of reset");
 }

@@ -16,7 +16,7 @@ use gym_core::{
 };
 use gym_render::{
     RecordVectorVideo, RecordVectorVideoConfig, RecordVideo, RecordVideoConfig, Recorder, Video,
-    capped_cubic, write_video,
+    VideoFormat, capped_cubic, write_video,
 };
 use tempfile::TempDir;
 

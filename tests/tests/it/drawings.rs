@@ -5,8 +5,8 @@
 
 use std::path::Path;
 
-use gym::canvas::{Align, Color};
-use gym::render::{DrawLog, Plot};
+use gym::canvas::{Align, Canvas, Color, Image, Point, Primitive, Segment, Shape, Transform};
+use gym::render::{DrawLog, Frame, Painter, Plot, Raster};
 use gym::{Env, EnvExt, Registration, registry};
 use gym_testing::{Digest, kept};
 
@@ -167,4 +167,153 @@ fn characters_are_drawn_as_kept() {
     let characters: String = characters.collect();
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("drawings");
     kept(&folder.join("characters.txt"), &characters);
+}
+
+type Draw = Box<dyn Fn(&mut dyn Canvas)>;
+
+const INK: Color = Color::rgb(200, 30, 90);
+const TRIANGLE: [Point; 3] = [[4.0, 3.0], [31.5, 8.25], [12.0, 26.0]];
+const CURVES: [Segment; 5] = [
+    Segment::Move([3.0, 4.0]),
+    Segment::Line([30.0, 5.5]),
+    Segment::Quad([38.0, 14.0], [28.0, 22.0]),
+    Segment::Cubic([20.0, 29.0], [9.0, 12.0], [5.0, 21.0]),
+    Segment::Close,
+];
+const CIRCLE: Shape<'static> = Shape::Circle {
+    center: [18.25, 14.0],
+    radius: 9.5,
+};
+
+/// A shape filled, stroked, and both under two transforms.
+fn of_shape(shape: Shape<'static>) -> [Draw; 3] {
+    let turned = Transform {
+        x: [0.5, 0.25],
+        y: [-0.75, 1.5],
+        origin: [17.0, 1.125],
+    };
+    [
+        Box::new(move |canvas| canvas.fill(shape, INK)),
+        Box::new(move |canvas| canvas.stroke(shape, 2.3456, INK.alpha(128))),
+        Box::new(move |canvas| {
+            canvas.push(turned);
+            canvas.push(Transform::scale(0.5, 0.75));
+            canvas.fill(shape, INK);
+            canvas.pop();
+            canvas.stroke(shape, 1.5, INK);
+            canvas.pop();
+        }),
+    ]
+}
+
+/// A call of pygame, and the same on a surface that is made smaller and drawn over.
+fn of_primitive(primitive: Primitive<'static>) -> [Draw; 2] {
+    [
+        Box::new(move |canvas| canvas.pygame(primitive, INK)),
+        Box::new(move |canvas| {
+            canvas.push_smoothscaled((160, 90), (40, 30));
+            canvas.clear(Color::WHITE);
+            canvas.pygame(primitive, INK);
+            canvas.pop();
+            canvas.stroke(CIRCLE, 1.0, Color::BLACK);
+        }),
+    ]
+}
+
+fn calls() -> Vec<Draw> {
+    let rect = |corner| Shape::Rect {
+        min: [5.5, 4.0],
+        size: [27.0, 17.25],
+        corner,
+    };
+    let shapes = [
+        Shape::Polygon(&TRIANGLE),
+        Shape::Polyline(&TRIANGLE),
+        CIRCLE,
+        rect(0.0),
+        rect(3.5),
+        rect(30.0),
+        Shape::Path(&CURVES),
+    ];
+    let (center, radius) = ([18.25, 14.0], 9.0);
+    let (x1, x2, y1, y2) = (3.0, 33.0, 3.0, 24.0);
+    let points: &[Point] = &TRIANGLE;
+    let primitives = [
+        Primitive::HLine { x1, x2, y: 7.0 },
+        Primitive::VLine { x: 9.0, y1, y2 },
+        Primitive::AaPolygon(points),
+        Primitive::FilledPolygon(points),
+        Primitive::AaCircle { center, radius },
+        Primitive::FilledCircle { center, radius },
+        Primitive::Polygon(points),
+        Primitive::Lines {
+            points,
+            closed: false,
+            width: 1,
+        },
+        Primitive::Lines {
+            points,
+            closed: true,
+            width: 3,
+        },
+        Primitive::Circle { center, radius },
+        Primitive::AaLines {
+            points,
+            closed: false,
+        },
+        Primitive::AaLines {
+            points,
+            closed: true,
+        },
+    ];
+    let image = |canvas: &mut dyn Canvas| {
+        let pixels = [0, 40, 80, 120, 160, 200];
+        let pixels = pixels.map(|x| Color::rgb(x, 255 - x, 7).alpha(55 + x));
+        canvas.image(Image {
+            min: [6.0, 2.5],
+            size: [20.0, 24.0],
+            width: 2,
+            pixels: &pixels,
+        });
+    };
+    let mut calls: Vec<Draw> = vec![
+        Box::new(|canvas| canvas.clear(INK)),
+        Box::new(|canvas| canvas.clear(INK.alpha(77))),
+        Box::new(image),
+    ];
+    calls.extend(shapes.into_iter().flat_map(of_shape));
+    for align in [Align::Left, Align::Center, Align::Right] {
+        calls.push(Box::new(move |canvas| {
+            canvas.text("qi", [19.5, 20.0], 11.0, align, INK);
+        }));
+    }
+    calls.extend(primitives.into_iter().flat_map(of_primitive));
+    calls
+}
+
+/// Each call of a canvas as lines of the log, as elements of a document, and as checksums of pixels in
+/// three sizes.
+#[test]
+fn each_call_is_drawn_as_kept() {
+    let mut told = String::new();
+    for call in calls() {
+        let mut draw = |canvas: &mut dyn Canvas| {
+            canvas.clear(Color::rgb(240, 244, 248));
+            call(canvas);
+        };
+        let document = gym::render::svg((40, 30), &mut draw);
+        let elements = document.lines().filter(|line| line.starts_with("  "));
+        told += &DrawLog::of(&mut draw).to_string();
+        told.extend(elements.map(|line| format!("{}\n", line.trim())));
+        let sums = [1, 2, 3].map(|scale| {
+            let mut frame = Frame::new(40 * scale, 30 * scale).unwrap();
+            Raster::new().paint((40, 30), &mut draw, &mut frame);
+            let mut digest = Digest::default();
+            digest.bytes(frame.pixels());
+            digest.finish()[..8].to_owned()
+        });
+        told += &format!("{}\n\n", sums.join(" "));
+    }
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("drawings");
+    kept(&folder.join("calls.txt"), &told);
 }

@@ -83,3 +83,50 @@ fn animations_repeat() {
         );
     }
 }
+
+/// Each format has its range of frames per second, of which both ends are in it.
+#[test]
+fn a_frame_rate_is_in_the_range_of_its_format() {
+    let refused = |fps: u32, most: u32| {
+        format!("invalid argument for Video: fps is {fps}: give the frames per second, 1 to {most}")
+    };
+    for (format, most) in [
+        (VideoFormat::Gif, u32::MAX),
+        (VideoFormat::Apng, 65535),
+        (VideoFormat::Mp4, 1000),
+    ] {
+        for fps in [0, 1, most, most.saturating_add(1)] {
+            let told = Video::in_memory(format, fps)
+                .err()
+                .map(|error| error.to_string());
+            let expected = match (format, (1..=most).contains(&fps)) {
+                (_, false) => Some(refused(fps, most)),
+                (VideoFormat::Mp4, true) => Some(
+                    "invalid argument for Video: MP4 needs a file: use `Video::create`, or another format".to_owned(),
+                ),
+                (_, true) => None,
+            };
+            assert_eq!(told, expected, "{format} {fps}");
+        }
+    }
+}
+
+/// A recorder has the environment's rate, or the one that it is given.
+#[test]
+fn a_recorder_has_the_rate_that_is_asked_for() {
+    let folder = TempDir::new().unwrap();
+    let path = folder.path().join("a.gif");
+    for (fps, delay) in [(None, 10), (Some(1), 100), (Some(50), 2)] {
+        let mut env = drawn();
+        env.reset(0).unwrap();
+        let mut recorder = match fps {
+            None => Recorder::new(&path, &env).unwrap(),
+            Some(fps) => Recorder::with_fps(&path, fps).unwrap(),
+        };
+        recorder.capture(&mut env).unwrap();
+        env.step(&0).unwrap();
+        recorder.capture(&mut env).unwrap();
+        assert_eq!(recorder.finish().unwrap(), 2);
+        assert_eq!(shown(&path), ([8, 4], delay), "{fps:?}");
+    }
+}

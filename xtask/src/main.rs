@@ -271,6 +271,7 @@ mod tests {
             "conform",
             "run Taxi-v4",
             "mjcf robot.xml --steps 9",
+            "mjcf robot.xml --steps=9",
             "mjcf robot.xml --out=x.png",
             "mjcf robot.xml --window",
         ] {

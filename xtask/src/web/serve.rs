@@ -152,4 +152,67 @@ mod tests {
         }
         assert!(file("POST /Cargo.toml HTTP/1.1\r\n", &site).is_none());
     }
+
+    /// Sends a request; returns the head of the answer and its body.
+    fn asked(port: u16, request: &[u8]) -> (String, Vec<u8>) {
+        let mut stream = TcpStream::connect((Ipv4Addr::LOCALHOST, port)).unwrap();
+        stream.write_all(request).unwrap();
+        let mut answer = Vec::new();
+        stream.read_to_end(&mut answer).unwrap();
+        let end = answer
+            .windows(4)
+            .position(|part| part == b"\r\n\r\n")
+            .unwrap();
+        let head = String::from_utf8_lossy(&answer[..end]).replace("\r\n", "|");
+        (head, answer[end + 4..].to_vec())
+    }
+
+    #[test]
+    fn an_answer_has_the_kind_and_the_length_of_its_file() {
+        let own = PathBuf::from(env!("CARGO_MANIFEST_DIR"));
+        let (posts, posted) = std::sync::mpsc::channel();
+        let (listener, port) = listen(0).unwrap();
+        let site = Site {
+            page: own.join("../crates/gym-web/page"),
+            folders: vec![("code", own.clone())],
+            posts: Some(posts),
+        };
+        thread::spawn(move || serve(&listener, &site));
+        let head = |status: &str, kind: &str, length: usize| {
+            format!(
+                "HTTP/1.1 {status}|Content-Type: {kind}|Content-Length: {length}|Cache-Control: no-cache|\
+                 Connection: close"
+            )
+        };
+        let page = own.join("../crates/gym-web/page");
+        for (path, file, kind) in [
+            ("", page.join("index.html"), "text/html; charset=utf-8"),
+            ("dropped.js?v=1", page.join("dropped.js"), "text/javascript"),
+            (
+                "code/Cargo.toml",
+                own.join("Cargo.toml"),
+                "application/octet-stream",
+            ),
+        ] {
+            let body = std::fs::read(file).unwrap();
+            let request = format!("GET /{path} HTTP/1.1\r\nHost: x\r\n\r\n");
+            let expected = (head("200 OK", kind, body.len()), body);
+            assert!(asked(port, request.as_bytes()) == expected, "{path}");
+        }
+        let missing = asked(port, b"GET /none.html HTTP/1.1\r\n\r\n");
+        let expected = (
+            head("404 Not Found", "text/plain", 10),
+            b"not found\n".to_vec(),
+        );
+        assert_eq!(missing, expected);
+        // a trace is longer than what is read at once
+        for length in [0, 3, 300_000] {
+            let text = "x".repeat(length);
+            let request =
+                format!("POST /traces HTTP/1.1\r\ncontent-Length: {length}\r\n\r\n{text}");
+            let answer = asked(port, request.as_bytes());
+            assert_eq!(answer, (head("200 OK", "text/plain", 0), Vec::new()));
+            assert!(posted.recv().unwrap() == text, "{length} bytes");
+        }
+    }
 }

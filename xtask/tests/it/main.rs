@@ -4,6 +4,8 @@ mod bench;
 mod commands;
 mod documents;
 mod files;
+#[cfg(unix)]
+mod launcher;
 mod lines;
 mod pictures;
 mod play;

@@ -2,6 +2,7 @@
 
 mod arguments;
 mod episodes;
+mod refusals;
 mod registered;
 mod stored;
 mod view;

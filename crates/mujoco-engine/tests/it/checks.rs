@@ -1,5 +1,6 @@
 //! What no compiled model can have is refused with its whole message. The numbers of a model that has every kind of object
-//! are replaced one by one, and its lists shortened and lengthened: `recorded/checks.txt` has the messages.
+//! are replaced one by one, and its lists shortened and lengthened: `recorded/checks.txt` has the messages. After an
+//! intended change, store them with `GYM_UPDATE_KEPT=1 cargo test --package mujoco-engine --test it checks`.
 
 use mujoco_engine::{CompiledModel, Model};
 use serde_json::{Value, json};
@@ -133,7 +134,12 @@ fn what_no_model_has_is_refused_in_the_recorded_words() {
     }
     // the order of fields is that of the reader of JSON
     found.sort();
-    let known: Vec<_> = include_str!("../recorded/checks.txt").lines().collect();
+    let path = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/recorded/checks.txt");
+    if std::env::var_os("GYM_UPDATE_KEPT").is_some() {
+        std::fs::write(path, found.join("\n") + "\n").unwrap();
+    }
+    let known = std::fs::read_to_string(path).unwrap();
+    let known: Vec<_> = known.lines().collect();
     let wrong: Vec<_> = found
         .iter()
         .filter(|line| !known.contains(&line.as_str()))

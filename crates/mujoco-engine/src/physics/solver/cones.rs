@@ -512,7 +512,10 @@ mod tests {
         } else if mu * n <= -t {
             (0.5 * d * (n * n + square) / (mu * mu), Some(1))
         } else {
-            (0.5 * shape.dm * (n - mu * t).powi(2), (t > 0.2).then_some(2))
+            (
+                0.5 * shape.dm * (n - mu * t).powi(2),
+                (t > 0.2).then_some(2),
+            )
         }
     }
 
@@ -530,11 +533,7 @@ mod tests {
             let shape = Shape { mu, friction, dm };
             let rows: Vec<_> = (0..dim)
                 .map(|j| {
-                    let scale = if j == 0 {
-                        1.0
-                    } else {
-                        friction[j - 1] / mu
-                    };
+                    let scale = if j == 0 { 1.0 } else { friction[j - 1] / mu };
                     [2.0 * lot(seed), 2.0 * lot(seed), d * scale * scale]
                 })
                 .collect();
@@ -569,7 +568,7 @@ mod tests {
             }
         }
         assert!(
-            seen.as_flattened().iter().all(|seen| *seen > 100),
+            seen.as_flattened().iter().all(|seen| *seen > 25),
             "{seen:?}"
         );
     }

@@ -14,14 +14,16 @@ fn compare(name: &str, text: &str) {
     kept(&Path::new(env!("CARGO_MANIFEST_DIR")).join(name), text);
 }
 
-/// Returns a text with `#` for each number that has a fraction: these may depend on chance.
+/// Returns a text with `#` for each number that has a fraction or more than three digits: these may depend on chance, and
+/// on how many environments were made before.
 fn masked(mut rest: &str) -> String {
     let mut text = String::new();
     while let Some(at) = rest.find(|c: char| c.is_ascii_digit()) {
         let (before, number) = rest.split_at(at);
         let end = number.find(|c: char| !c.is_ascii_digit() && c != '.');
         let (number, after) = number.split_at(end.unwrap_or(number.len()));
-        if number.trim_end_matches('.').contains('.') {
+        let digits = number.trim_end_matches('.');
+        if digits.contains('.') || digits.len() > 3 {
             text += before.trim_end_matches('-');
             text += "#";
         } else {

@@ -301,9 +301,9 @@ fn each_call_is_drawn_as_kept() {
             canvas.clear(Color::rgb(240, 244, 248));
             call(canvas);
         };
-        let document = gym::render::svg((40, 30), &mut draw);
+        let document = gym::render::svg((40, 30), draw);
         let elements = document.lines().filter(|line| line.starts_with("  "));
-        told += &DrawLog::of(&mut draw).to_string();
+        told += &DrawLog::of(draw).to_string();
         told.extend(elements.map(|line| format!("{}\n", line.trim())));
         let sums = [1, 2, 3].map(|scale| {
             let mut frame = Frame::new(40 * scale, 30 * scale).unwrap();

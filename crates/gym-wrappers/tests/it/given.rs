@@ -275,7 +275,7 @@ fn bounds_are_stored_in_their_shape() {
         ([0.0_f64].into(), json!([0.0])),
         (plane.into(), json!([[0.0, 1.0, 2.0], [3.0, 4.0, 5.0]])),
         (
-            Array::zeros(DType::F32, &[2, 1]).unwrap().into(),
+            Array::zeros(DType::F32, [2, 1]).unwrap().into(),
             json!([[0.0], [0.0]]),
         ),
     ];

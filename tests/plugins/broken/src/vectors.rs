@@ -153,7 +153,7 @@ fn spoil(fault: Fault, columns: &mut Columns) {
             }
             let shape = [n, rows.first().map_or(0, Vec::len)];
             let data = gym_core::Data::F32(rows.concat());
-            if let Ok(array) = gym_core::Array::new(&shape, data) {
+            if let Ok(array) = gym_core::Array::new(shape, data) {
                 columns.observations = Value::Array(array);
             }
         }

@@ -14,8 +14,8 @@ fn compare(name: &str, text: &str) {
     kept(&Path::new(env!("CARGO_MANIFEST_DIR")).join(name), text);
 }
 
-/// Returns a text with `#` for each number that has a fraction or more than three digits: these may depend on chance, and
-/// on how many environments were made before.
+/// Returns a text with `#` for each number that has a fraction, which may depend on chance, and for the number of an
+/// environment, which is how many were made before.
 fn masked(mut rest: &str) -> String {
     let mut text = String::new();
     while let Some(at) = rest.find(|c: char| c.is_ascii_digit()) {
@@ -23,7 +23,7 @@ fn masked(mut rest: &str) -> String {
         let end = number.find(|c: char| !c.is_ascii_digit() && c != '.');
         let (number, after) = number.split_at(end.unwrap_or(number.len()));
         let digits = number.trim_end_matches('.');
-        if digits.contains('.') || digits.len() > 3 {
+        if digits.contains('.') || before.ends_with("\"number\":") {
             text += before.trim_end_matches('-');
             text += "#";
         } else {

@@ -20,7 +20,7 @@ pub(super) const UNLIKE: [(&str, &str); 9] = [
     ("4.0", "actuator muscle lmin="),
     ("4.0", "actuator length all10"),
     ("4.0", "actuator length muscleuser37"),
-    // `asin` of the C library that recorded it (glibc 2.36) rounds one number of 500 the other way
+    // the C library of the recording (glibc 2.36) does not take the number nearest to `asin(0.9635086561675488)`
     ("3.12", "wrap within cylinder 0.1"),
 ];
 

@@ -69,6 +69,20 @@ fn refusals(results: &[Result<String>], told: &mut BTreeSet<String>) {
     );
 }
 
+/// The sum of a wrapper's results, and the first two of its refusals, which the sum has too.
+fn line(name: &str, kwargs: &str, all: &[String], refused: &BTreeSet<String>) -> String {
+    let mut line = format!("{name} {kwargs} {}\n", sum(all));
+    for text in refused.iter().take(2) {
+        writeln!(line, "  {text}").unwrap();
+    }
+    line
+}
+
+fn keep(name: &str, told: &str) {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/it");
+    kept(&folder.join(name), told);
+}
+
 #[test]
 fn observations_that_are_not_of_their_space_are_shown_or_refused_as_they_were() {
     let mut told = String::new();
@@ -90,15 +104,10 @@ fn observations_that_are_not_of_their_space_are_shown_or_refused_as_they_were() 
                     all.push(format!("{results:?}"));
                 }
             }
-            writeln!(told, "{name} {kwargs} {}", sum(&all)).unwrap();
-            // the sum has them all
-            for text in refused.iter().take(2) {
-                writeln!(told, "  {text}").unwrap();
-            }
+            told += &line(name, kwargs, &all, &refused);
         }
     }
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/it");
-    kept(&folder.join("given_observations.txt"), &told);
+    keep("given_observations.txt", &told);
 }
 
 /// Actions in every form in which somebody may give one, fit or not.
@@ -167,15 +176,10 @@ fn actions_in_any_form_are_taken_or_refused_as_they_were() {
                 refusals(&results, &mut refused);
                 all.push(format!("{results:?}"));
             }
-            writeln!(told, "{name} {kwargs} {}", sum(&all)).unwrap();
-            // the sum has them all
-            for text in refused.iter().take(2) {
-                writeln!(told, "  {text}").unwrap();
-            }
+            told += &line(name, kwargs, &all, &refused);
         }
     }
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/it");
-    kept(&folder.join("given_actions.txt"), &told);
+    keep("given_actions.txt", &told);
 }
 
 /// The numbers that an environment receives for an action.

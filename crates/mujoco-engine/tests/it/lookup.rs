@@ -5,13 +5,9 @@ use mujoco_engine::model::ObjectType;
 
 /// `n` elements, of which the first is called `name` and the last `x`.
 fn row(element: &str, name: &str, n: usize) -> String {
-    let [start, end] = element
-        .split_once(' ')
-        .map_or([element, "/>"], |(a, b)| [a, b]);
-    let end = if end == "/>" {
-        end.to_owned()
-    } else {
-        format!(" {end}")
+    let (start, end) = match element.split_once(' ') {
+        Some((start, rest)) => (start, format!(" {rest}")),
+        None => (element, "/>".to_owned()),
     };
     let one = |name: String| format!("<{start}{name}{end}");
     let named = |name: &str| one(format!(" name='{name}'"));
